@@ -1,0 +1,99 @@
+/* What happens when two surfaces touch: laws of normal restitution and collision rules.
+ * Sources: Reichardt 2005 (6-5 … 6-7, 9-6 … 9-17); Schwager & Pöschel 1998, 2008;
+ * Walton & Braun 1986; Luding 1998. */
+#ifndef EVENTMILL_CONTACT_H
+#define EVENTMILL_CONTACT_H
+
+#include <stdbool.h>
+
+#include "eventmill/vec.h"
+
+/* Who touches whom. In a box the walls across y are "end" walls, all others "drum" walls. */
+#define EM_CLASS_LIST(X)                                                       \
+  X(BALL, "ball-ball")                                                         \
+  X(DRUM, "ball-drum")                                                         \
+  X(END, "ball-end")                                                           \
+  X(BLADE, "ball-blade")
+#define EM_CLASS_ENUM(code, text) EM_CLASS_##code,
+enum em_class { EM_CLASS_LIST(EM_CLASS_ENUM) EM_CLASS_COUNT };
+#undef EM_CLASS_ENUM
+
+/* code, name, number of parameters, names and defaults of the parameters are in contact.c. */
+#define EM_LAW_LIST(X)                                                         \
+  X(CONSTANT, "constant")                                                      \
+  X(SALO, "salo")                                                              \
+  X(ANDREWS, "andrews")                                                        \
+  X(SPAHN, "spahn")                                                            \
+  X(POWER2, "power2")                                                          \
+  X(POWER4, "power4")                                                          \
+  X(EXPONENTIAL, "exponential")                                                \
+  X(VISCOELASTIC, "viscoelastic")
+#define EM_LAW_ENUM(code, text) EM_LAW_##code,
+enum em_law { EM_LAW_LIST(EM_LAW_ENUM) EM_LAW_COUNT };
+#undef EM_LAW_ENUM
+
+enum { EM_LAW_PARAMETERS = 4 };
+
+#define EM_RULE_LIST(X)                                                        \
+  X(ROUGH, "rough")                                                            \
+  X(FRICTION, "friction")                                                      \
+  X(REICHARDT2005, "reichardt2005")                                            \
+  X(SMOOTH, "smooth")
+#define EM_RULE_ENUM(code, text) EM_RULE_##code,
+enum em_rule { EM_RULE_LIST(EM_RULE_ENUM) EM_RULE_COUNT };
+#undef EM_RULE_ENUM
+
+/* A law of normal restitution with its parameters. */
+struct em_restitution {
+  enum em_law law;
+  double p[EM_LAW_PARAMETERS];
+};
+
+/* How one class of contacts collides. */
+struct em_contact_law {
+  enum em_rule rule;            /* Default: rough */
+  struct em_restitution normal; /* Default: spahn */
+  double tangential;            /* ε_t in [-1, 1]. 1: smooth, -1: perfectly rough. Default: 0.9 */
+  double friction;              /* μ ≥ 0, for `friction` alone. Default: 0.1 */
+};
+
+/* The impulse (kg m/s) that a contact gives to ball i; its partner gets the opposite. */
+struct em_impulse {
+  struct em_vec normal, tangential;
+  double vn; /* m/s, ≥ 0: normal speed of approach of the surfaces */
+  double vt; /* m/s, ≥ 0: tangential speed of the surfaces */
+};
+
+const char *em_contact_class_name(enum em_class cls);
+const char *em_contact_law_name(enum em_law law);
+const char *em_contact_rule_name(enum em_rule rule);
+
+/* Index of a name in its list, or -1. */
+int em_contact_class_find(const char *name);
+int em_contact_law_find(const char *name);
+int em_contact_rule_find(const char *name);
+
+/* The law's number of parameters (≤ EM_LAW_PARAMETERS), the name of parameter k (NULL beyond),
+ * and the law with its default parameters. */
+int em_contact_law_size(enum em_law law);
+const char *em_contact_law_parameter(enum em_law law, int k);
+struct em_restitution em_contact_law_default(enum em_law law);
+
+/* ε_n at the approach speed vn ≥ 0 (m/s); in [0, 1]. */
+double em_contact_restitution(const struct em_restitution *law, double vn);
+
+/* Impulse on ball i. e: unit normal from the partner to the ball; g: velocity of the ball's surface
+ * relative to the partner's at the point of contact (9-6); m_eff: m_i m_j/(m_i+m_j), or m_i for a
+ * wall. frictionless: leave the tangential part out (jam remedy); elastic: take ε_n = 1 (TC model). */
+struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_eff,
+                                     struct em_vec e, struct em_vec g, bool frictionless,
+                                     bool elastic);
+
+/* k such that a ball of mass m and radius R changes its spin by Δω = k (e × P_t), e pointing from
+ * the partner to that ball... and the same k with the same e and P_t for the partner's own m, R. */
+double em_contact_spin_factor(enum em_rule rule, double m, double radius);
+
+/* Does the rule read or change spins? */
+bool em_contact_has_spin(enum em_rule rule);
+
+#endif

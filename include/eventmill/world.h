@@ -1,0 +1,137 @@
+/* The event engine: balls, surfaces, event lists, and the loop that works them off.
+ *
+ * A world is made from a scene and its start, run to a time, and asked for its state. It knows
+ * neither files nor pictures: whoever wants to see what happens registers an observer. */
+#ifndef EVENTMILL_WORLD_H
+#define EVENTMILL_WORLD_H
+
+#include <signal.h>
+#include <stdint.h>
+
+#include "eventmill/error.h"
+#include "eventmill/scene.h"
+#include "eventmill/start.h"
+
+struct em_world;
+
+/* One contact, as observers see it. */
+struct em_contact {
+  double time;          /* s since the start of the run */
+  enum em_class cls;
+  uint32_t ball;        /* index of the ball (the smaller one of a pair) */
+  uint32_t partner;     /* the other ball, or the surface: blade number for EM_CLASS_BLADE, wall
+                           number (0, 1: x; 2, 3: y; 4, 5: z; 6: drum) for DRUM and END */
+  struct em_vec place;  /* m, point of contact */
+  struct em_vec normal; /* unit vector from the partner to the ball */
+  double vn, vt;        /* m/s, ≥ 0 */
+  double lost;          /* J, kinetic energy (spin included) dissipated in the contact: what the
+                           balls lost plus the work that a moving surface did on them */
+  double work;          /* J, done by a moving surface on the ball; 0 for pairs */
+};
+
+/* Observers do not change the world. Any callback may be NULL. */
+struct em_observer {
+  void *self;
+  void (*contact)(void *self, const struct em_contact *contact);
+};
+
+/* Histogram of v_n: EM_TALLY_PER_OCTAVE bins per factor of two, the edges of the bins of
+ * an octave equally spaced; bin k begins at em_world_bin_edge(k). */
+enum { EM_TALLY_PER_OCTAVE = 64, EM_TALLY_OCTAVES = 40, EM_TALLY_LOWEST = -30,
+       EM_TALLY_BINS = EM_TALLY_PER_OCTAVE * EM_TALLY_OCTAVES };
+
+/* What the engine counts while it runs; all since the start of the run. */
+struct em_tally {
+  uint64_t collisions[EM_CLASS_COUNT];
+  double lost[EM_CLASS_COUNT]; /* J, dissipated */
+  double collision_energy[EM_CLASS_COUNT]; /* J, Σ ½ m v_n² (20-2), m = m_eff */
+  uint64_t vn[EM_CLASS_COUNT][EM_TALLY_BINS];
+  double drum_work;            /* J, done by a turning drum and its end walls */
+  uint64_t tc, elastic, jam;   /* contacts on which a remedy acted */
+  uint64_t stale, transfers;   /* invalid events; virtual events of the partition */
+  uint64_t predictions, candidates; /* searches of one ball's next event; pairs tested */
+  uint64_t blade_searches, blade_steps, epochs;
+};
+
+/* Per blade. */
+struct em_blade_tally {
+  double work;            /* J, done on the balls */
+  double angular_impulse; /* N m s about the rotor's axis, given to the balls */
+  uint64_t contacts;
+};
+
+/* All that is needed to continue bit for bit. Arrays of `count`, in the frame of the engine's own
+ * epoch; spin may be NULL. A plain copy: owned by whoever made it. */
+struct em_snapshot {
+  uint32_t count, blade_count;
+  uint64_t epoch;            /* epochs gone */
+  double clock;              /* s within the epoch */
+  struct em_vec *position;   /* m, at each ball's own time */
+  struct em_vec *velocity;   /* m/s */
+  struct em_vec *spin;       /* rad/s or NULL */
+  double *time;              /* s within the epoch: when the ball's last real event was */
+  uint32_t *last;            /* code of the last partner */
+  uint32_t *streak;          /* contacts in a row */
+  double *blade_angle;       /* blade_count, rad at the epoch's start */
+  struct em_blade_tally *blade; /* blade_count */
+  struct em_tally tally;
+};
+
+/* Makes a world. Keeps a reference to scene, which must outlive it; copies what it needs of balls.
+ * Errors: EM_MEMORY, EM_INPUT (balls outside or overlapping at the start). */
+enum em_status em_world_new(struct em_world **world, const struct em_scene *scene,
+                            const struct em_balls *balls, struct em_error *err);
+void em_world_free(struct em_world *world);
+
+/* Registers an observer; its pointer is copied. Errors: EM_MEMORY. */
+enum em_status em_world_observe(struct em_world *world, const struct em_observer *observer);
+
+/* Works off all events before `until` (s since the start). *stop, when it turns non-zero, ends the
+ * run between two events (EM_STOPPED); stop may be NULL. Errors: EM_COLLAPSE, EM_JAM,
+ * EM_MEMORY, EM_INTERNAL. After an error the state is that before the event in question. */
+enum em_status em_world_run(struct em_world *world, double until,
+                            const volatile sig_atomic_t *stop, struct em_error *err);
+
+/* As em_world_run, but ends after `count` collisions as well. */
+enum em_status em_world_run_collisions(struct em_world *world, double until, uint64_t count,
+                                       const volatile sig_atomic_t *stop, struct em_error *err);
+
+double em_world_time(const struct em_world *world); /* s since the start */
+size_t em_world_count(const struct em_world *world);
+size_t em_world_blade_count(const struct em_world *world);
+uint64_t em_world_collisions(const struct em_world *world);
+const struct em_tally *em_world_tally(const struct em_world *world);
+const struct em_blade_tally *em_world_blade_tally(const struct em_world *world, size_t blade);
+double em_world_blade_angle(const struct em_world *world, size_t blade, double time); /* rad */
+
+/* The state of all balls at `time` ≥ the world's time, as long as no event is due before: fills
+ * balls (made by em_start_new with the world's count). Periodic positions are inside the box. */
+void em_world_state(const struct em_world *world, double time, struct em_balls *balls);
+
+/* Energies (J) of a state that em_world_state filled: kinetic (translation), spin, potential. */
+struct em_energy {
+  double kinetic, spin, potential;
+};
+struct em_energy em_world_energy(const struct em_world *world, const struct em_balls *balls);
+
+/* Bin edges of em_tally.vn: lower edge of bin k (m/s), 0 ≤ k ≤ EM_TALLY_BINS. */
+double em_world_bin_edge(size_t k);
+
+/* A copy of all that a restart needs / a world that continues from such a copy. */
+enum em_status em_world_snapshot(const struct em_world *world, struct em_snapshot **snapshot,
+                                 struct em_error *err);
+enum em_status em_world_resume(struct em_world **world, const struct em_scene *scene,
+                               const struct em_snapshot *snapshot, struct em_error *err);
+struct em_snapshot *em_world_snapshot_new(uint32_t count, uint32_t blade_count, bool spin);
+void em_world_snapshot_free(struct em_snapshot *snapshot);
+
+/* For `mill check`: the name of the loop's variant ("gravity+spin+rotor, avx2"), and the bytes that
+ * a ball takes. */
+const char *em_world_variant(const struct em_world *world);
+double em_world_bytes_per_ball(const struct em_world *world);
+
+/* Consistency of all lists, and no overlap beyond `tolerance` (m); for tests. Fills err with the
+ * first fault. */
+bool em_world_is_valid(const struct em_world *world, double tolerance, struct em_error *err);
+
+#endif
