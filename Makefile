@@ -1,0 +1,253 @@
+# Eventmill: library, programs, tests. `make help` lists the targets.
+
+# ---------------------------------------------------------------- knobs
+BUILD   ?= build
+PREFIX  ?= /usr/local
+DESTDIR ?=
+CC      := $(if $(filter default,$(origin CC)),gcc,$(CC))
+OPT     ?= -O3
+JOBS    ?= $(shell nproc 2>/dev/null || echo 2)
+T       ?=
+
+VERSION := 0.1.0
+SOMAJOR := 0
+
+MAKEFLAGS += --no-builtin-rules
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := all
+
+Q := $(if $(V),,@)
+say = $(if $(V),,@printf '  %-7s %s\n' $(1) $(2))
+
+# Each kind of build has its own directory, so that none clobbers another.
+B := $(BUILD)
+ifneq ($(filter-out 0,$(SAN)),)
+  B := $(B)/san
+  KIND := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+else ifneq ($(filter-out 0,$(DEBUG)),)
+  B := $(B)/debug
+  KIND := -O0 -g3 -DEM_DEBUG
+else
+  KIND := $(OPT) -g -DNDEBUG
+endif
+
+# ---------------------------------------------------------------- compiler and libraries
+PACKAGES := gsl hdf5 libconfig osmesa libpng
+MISSING  := $(shell for p in $(PACKAGES); do pkg-config --exists $$p 2>/dev/null || echo $$p; done)
+
+# Flags that the user may add to, and those on which results depend: no fused multiply-add, no
+# fast-math, so that a run has the same bits with every compiler.
+CFLAGS   ?=
+CPPFLAGS ?=
+LDFLAGS  ?=
+WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
+         $(if $(WERROR),-Werror)
+EXACT := -ffp-contract=off -fno-math-errno
+HOUSE := -std=gnu11 -D_GNU_SOURCE $(KIND) $(EXACT) -fPIC -fno-semantic-interposition $(WARN)
+SEEK  := -Iinclude -Isrc -I$(B)
+PKG_CFLAGS := $(if $(MISSING),,$(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))))
+PKG_LIBS   := $(if $(MISSING),,$(shell pkg-config --libs $(PACKAGES)))
+LIBS  := $(PKG_LIBS) -lm
+
+# Loops with AVX2 are built beside the plain ones and chosen at run time; never with -mfma.
+ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine 2>/dev/null)),)
+  AVX2 := yes
+  HOUSE += -DEM_HAVE_AVX2
+endif
+
+ALL_CFLAGS = $(HOUSE) $(SEEK) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)
+
+# ---------------------------------------------------------------- what is built from what
+LIB_SRC  := $(sort $(filter-out src/tool/% $(if $(AVX2),,%_avx2.c),$(wildcard src/*/*.c)))
+TOOL_SRC := $(sort $(filter-out src/tool/mill.c src/tool/millpost.c,$(wildcard src/tool/*.c)))
+LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
+TOOL_OBJ := $(TOOL_SRC:%.c=$(B)/%.o)
+PROGRAMS := $(patsubst src/tool/%.c,$(B)/%,$(wildcard src/tool/mill.c src/tool/millpost.c))
+
+STATIC := $(B)/libeventmill.a
+SHARED := $(B)/libeventmill.so
+PC     := $(B)/eventmill.pc
+
+TEST_SRC    := $(sort $(wildcard tests/*/test_*.c))
+TEST_SH     := $(sort $(wildcard tests/*/test_*.sh))
+SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
+BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
+FUZZ_SRC    := $(sort $(wildcard tests/fuzz/fuzz_*.c))
+TEST_BIN    := $(TEST_SRC:%.c=$(B)/%)
+BENCH_BIN   := $(BENCH_SRC:%.c=$(B)/%)
+REPLAY_BIN  := $(FUZZ_SRC:%.c=$(B)/%_replay)
+FUZZ_BIN    := $(FUZZ_SRC:%.c=$(B)/%)
+SUPPORT_OBJ := $(SUPPORT_SRC:%.c=$(B)/%.o)
+TEST_LIBS   := -lcmocka -lmpfr -lgmp \
+               $(if $(shell grep -ls quadmath.h tests/*/*.[ch]),-lquadmath)
+
+.PHONY: all help setup packages demo check check-long hard bench fuzz install uninstall clean \
+        lint format info build-tests force
+all: packages $(STATIC) $(SHARED) $(PC) $(PROGRAMS)
+
+help:
+	@echo 'all demo check check-long hard bench fuzz install uninstall clean lint format info'
+	@echo 'SAN=1 DEBUG=1 V=1 CC=clang BUILD=dir PREFIX=dir DESTDIR=dir'
+	@echo 'make check T=unit/test_error runs the tests whose path contains T'
+
+# Without the libraries nothing compiles: say so before the compiler does.
+packages:
+ifneq ($(MISSING),)
+	@echo "missing libraries: $(MISSING). Run scripts/setup, which installs them on Debian," \
+	  "or install their development packages." >&2; exit 1
+endif
+
+# ---------------------------------------------------------------- rules
+# Files that change only when their content does.
+define settle
+@mkdir -p $(@D); cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+endef
+
+$(B)/flags: force
+	@mkdir -p $(@D); printf '%s\n' '$(CC) $(ALL_CFLAGS)' >$@.new
+	$(settle)
+
+$(B)/version.h: force scripts/version
+	@mkdir -p $(@D); scripts/version '$(VERSION)' '$(CC)' '$(KIND) $(EXACT) $(CFLAGS)' >$@.new
+	$(settle)
+
+$(B)/%.o: %.c $(B)/flags | packages $(B)/version.h
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),-mavx2) -MMD -MP -c $< -o $@
+
+$(B)/tests/%.o: SEEK += -Itests
+
+$(STATIC): $(LIB_OBJ) $(B)/members
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && ar rcs $@ $(LIB_OBJ)
+
+# The list of members: an object that is gone must leave the archive.
+$(B)/members: force
+	@mkdir -p $(@D); printf '%s\n' '$(LIB_OBJ)' >$@.new
+	$(settle)
+
+$(SHARED): $(LIB_OBJ) $(B)/members
+	$(call say,LD,$@)
+	$(Q)$(CC) $(KIND) -shared -Wl,-soname,libeventmill.so.$(SOMAJOR) $(LDFLAGS) $(LIB_OBJ) \
+	  $(LIBS) -o $@
+
+$(PROGRAMS): $(B)/%: $(B)/src/tool/%.o $(TOOL_OBJ) $(STATIC)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(KIND) $(LDFLAGS) $< $(TOOL_OBJ) $(STATIC) $(LIBS) -o $@
+
+$(TEST_BIN) $(BENCH_BIN): $(B)/%: $(B)/%.o $(SUPPORT_OBJ) $(STATIC)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(KIND) $(LDFLAGS) $< $(SUPPORT_OBJ) $(STATIC) $(TEST_LIBS) $(LIBS) -o $@
+
+$(REPLAY_BIN): $(B)/%_replay: $(B)/%.o $(B)/tests/fuzz/replay.o $(STATIC)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(KIND) $(LDFLAGS) $^ $(LIBS) -o $@
+
+$(PC): eventmill.pc.in $(B)/flags
+	$(call say,GEN,$@)
+	$(Q)sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' \
+	  -e 's|@PACKAGES@|$(PACKAGES)|' $< >$@
+
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(TOOL_OBJ) $(PROGRAMS:$(B)/%=$(B)/src/tool/%.o) \
+  $(SUPPORT_OBJ)) $(addsuffix .d,$(TEST_BIN) $(BENCH_BIN) $(FUZZ_BIN)) $(B)/tests/fuzz/replay.d
+
+# ---------------------------------------------------------------- tests
+# Tests are built in as many jobs as there are cores, unless the caller chose a number.
+submake = $(MAKE) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(JOBS)) --no-print-directory
+
+# T picks tests by a part of their path; long ones only when asked for.
+chosen = $(if $(T),$(foreach t,$(1),$(if $(findstring $(T),$(t)),$(t))),$(1))
+short   = $(foreach t,$(1),$(if $(findstring /test_long_,$(t)),,$(t)))
+picked  = $(call chosen,$(if $(LONG)$(T),$(1),$(call short,$(1))))
+
+setup:
+	@scripts/setup
+
+check: setup
+	@$(submake) run-tests
+
+check-long: setup
+	@$(submake) run-tests LONG=1
+
+hard: setup
+	@$(submake) run-tests LONG=1 T=tests/hard/
+
+.PHONY: run-tests
+run-tests: all $(call picked,$(TEST_BIN)) $(call chosen,$(REPLAY_BIN))
+	@BUILD=$(B) scripts/run-tests $(call picked,$(TEST_BIN) $(TEST_SH)) \
+	  $(call chosen,$(REPLAY_BIN))
+
+build-tests: all $(TEST_BIN) $(REPLAY_BIN) $(BENCH_BIN)
+
+bench: all $(call chosen,$(BENCH_BIN))
+	@for b in $(call chosen,$(BENCH_BIN)); do echo "== $$b"; BUILD=$(B) $$b || exit 1; done
+
+# Fuzzing for FUZZ_TIME seconds per target, from the stored corpus.
+FUZZ_TIME ?= 60
+fuzz:
+	@scripts/setup fuzz
+	@$(submake) CC=clang BUILD=$(BUILD)/fuzz \
+	  CFLAGS='$(CFLAGS) -fsanitize=fuzzer-no-link,address,undefined' run-fuzz
+
+.PHONY: run-fuzz
+run-fuzz: $(FUZZ_BIN)
+	@for f in $(call chosen,$(FUZZ_BIN)); do name=$${f##*/fuzz_}; \
+	  mkdir -p $(B)/corpus/$$name; \
+	  $$f -max_total_time=$(FUZZ_TIME) -print_final_stats=1 -artifact_prefix=$(B)/ \
+	    $(B)/corpus/$$name $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null) || exit 1; done
+
+$(FUZZ_BIN): $(B)/%: $(B)/%.o $(STATIC)
+	$(call say,LD,$@)
+	$(Q)$(CC) -fsanitize=fuzzer,address,undefined $(LDFLAGS) $< $(STATIC) $(LIBS) -o $@
+
+# ---------------------------------------------------------------- demo
+demo: setup
+	@$(submake) all
+	@BUILD=$(B) scripts/demo
+
+# ---------------------------------------------------------------- house keeping
+BIN := $(DESTDIR)$(PREFIX)/bin
+LIB := $(DESTDIR)$(PREFIX)/lib
+INC := $(DESTDIR)$(PREFIX)/include/eventmill
+SHR := $(DESTDIR)$(PREFIX)/share/eventmill
+
+install: all
+	install -d $(BIN) $(LIB)/pkgconfig $(INC) $(SHR)/geometries
+	install -m 755 $(PROGRAMS) $(BIN)
+	install -m 644 include/eventmill/*.h $(INC)
+	install -m 644 $(STATIC) $(LIB)
+	install -m 755 $(SHARED) $(LIB)/libeventmill.so.$(VERSION)
+	ln -sf libeventmill.so.$(VERSION) $(LIB)/libeventmill.so.$(SOMAJOR)
+	ln -sf libeventmill.so.$(SOMAJOR) $(LIB)/libeventmill.so
+	install -m 644 $(PC) $(LIB)/pkgconfig
+	install -m 644 geometries/* $(SHR)/geometries
+
+uninstall:
+	rm -f $(BIN)/mill $(BIN)/millpost $(LIB)/libeventmill.a $(LIB)/libeventmill.so* \
+	  $(LIB)/pkgconfig/eventmill.pc
+	rm -rf $(INC) $(SHR)
+
+clean:
+	rm -rf $(BUILD)
+
+FORMATTED = $(wildcard include/*/*.h src/*/*.[ch] tests/*/*.[ch])
+format:
+	clang-format -i $(FORMATTED)
+
+lint: setup
+	@scripts/setup lint
+	@$(submake) all
+	@BUILD=$(B) scripts/lint
+
+info:
+	@echo 'version   $(VERSION)'
+	@echo 'build     $(B)'
+	@echo 'compiler  $(CC)'
+	@echo 'flags     $(ALL_CFLAGS)'
+	@echo 'libraries $(LIBS)'
+	@echo 'missing   $(or $(MISSING),none)'
+
+print-%:
+	@echo '$($*)'
