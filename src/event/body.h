@@ -1,0 +1,128 @@
+/* The inside of a world: what the loop, the partitions and the predictions share. */
+#ifndef EVENTMILL_BODY_H
+#define EVENTMILL_BODY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "event/local.h"
+#include "event/queue.h"
+#include "eventmill/world.h"
+
+/* The hot record of a ball, one cache line: its state at its own last real event. */
+struct em_body {
+  double x, y, z;    /* m */
+  double vx, vy, vz; /* m/s */
+  double t;          /* s within the epoch */
+  double radius;     /* m */
+} __attribute__((aligned(64)));
+
+/* The cold record. */
+struct em_trace {
+  uint32_t counter; /* real events so far; wraps, compared for equality only */
+  uint32_t last;    /* partner of the last real event: ball, surface code, or EM_NOBODY */
+  uint32_t streak;  /* contacts in a row, each within world.within of the one before */
+};
+
+/* Partners are balls (their index) or surfaces (EM_SURFACE + number). */
+enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
+#define EM_SURFACE 0xFFF00000u
+#define EM_NOBODY 0xFFFFFFFFu
+#define EM_SURFACE_BLADE(k) (EM_SURFACE + EM_WALLS + (uint32_t)(k))
+
+/* A blade with what the loop asks of it. */
+struct em_turning {
+  struct em_blade blade; /* angle: at the epoch's start */
+  double swing;          /* m/s, speed of its tip */
+  double hull;           /* m, half diagonal: no point of it is further from its centre */
+  double cos, sin, at;   /* of its angle at the time `at`, for bounds only */
+};
+
+struct em_partition_kind;
+struct em_places; /* opaque */
+
+struct em_world {
+  const struct em_scene *scene;
+  uint32_t count;
+  struct em_body *body;
+  struct em_trace *trace;
+  struct em_vec *spin; /* rad/s; NULL when no rule knows spins */
+  double *mass;        /* kg; NULL when all are equal */
+  double mass0, largest, smallest; /* kg; m, m: radii */
+  double *leave;       /* s: until when a ball's candidates are complete */
+
+  struct em_vec gravity;
+  double fall;     /* |gravity| */
+  double rho;      /* m, drum: its radius */
+  struct em_vec low, high; /* m, of the chamber */
+  struct em_vec period;    /* m; 0 where not periodic */
+  bool drum;
+  bool wall[EM_WALLS];
+  uint32_t blade_count;
+  struct em_turning *blade;
+  struct em_blade_tally *blade_tally;
+  double drum_omega; /* rad/s */
+
+  double epoch_length; /* s, a power of two */
+  uint64_t epoch;
+  double clock; /* s within the epoch */
+  double within; /* s: contacts in a row */
+
+  const struct em_queue_kind *queue_kind;
+  struct em_queue *queue;
+  const struct em_local_kind *local_kind;
+  struct em_local *local;
+  const struct em_partition_kind *partition_kind;
+  struct em_places *places; /* what the partition keeps */
+  const struct em_loop_kind *loop;
+
+  struct em_observer *observer;
+  size_t observers;
+  struct em_tally tally;
+  uint32_t *tied; /* scratch: balls whose events share one time */
+  size_t tied_room;
+};
+
+/* The loop, compiled once per set of effects. */
+enum em_loop_flag {
+  EM_LOOP_GRAVITY = 1,
+  EM_LOOP_SPIN = 2,
+  EM_LOOP_ROTOR = 4,
+  EM_LOOP_PERIODIC = 8,
+  EM_LOOP_EXTRA = 16, /* remedies, ramps, a turning drum */
+};
+struct em_loop_kind {
+  const char *name;
+  unsigned flags;
+  bool avx2;
+  /* Predicts the next event of every ball anew; false: no memory. */
+  bool (*predict_all)(struct em_world *world);
+  /* Works off events before `limit` (s within the epoch), at most *left collisions. */
+  enum em_status (*run)(struct em_world *world, double limit, uint64_t *left,
+                        const volatile sig_atomic_t *stop, struct em_error *err);
+};
+const struct em_loop_kind *em_loop_find(unsigned flags, bool avx2);
+const struct em_loop_kind *em_loop_avx2_find(unsigned flags);
+
+/* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
+void *em_body_array(size_t count, size_t size);
+
+/* Position of ball i at time t (s within the epoch). */
+static inline struct em_vec em_body_at(const struct em_world *w, uint32_t i, double t) {
+  const struct em_body *b = &w->body[i];
+  const double dt = t - b->t, h = 0.5 * dt * dt;
+  return (struct em_vec){b->x + b->vx * dt + w->gravity.x * h,
+                         b->y + b->vy * dt + w->gravity.y * h,
+                         b->z + b->vz * dt + w->gravity.z * h};
+}
+
+/* Velocity of ball i at time t. */
+static inline struct em_vec em_body_velocity(const struct em_world *w, uint32_t i, double t) {
+  const struct em_body *b = &w->body[i];
+  const double dt = t - b->t;
+  return (struct em_vec){b->vx + w->gravity.x * dt, b->vy + w->gravity.y * dt,
+                         b->vz + w->gravity.z * dt};
+}
+
+#endif

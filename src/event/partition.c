@@ -1,0 +1,56 @@
+/* What all partitions share: how long a ball stays near a point, and which blades reach there. */
+#include "event/partition.h"
+
+#include <math.h>
+
+const struct em_partition_kind *em_partition_find(enum em_partition partition) {
+  switch (partition) {
+    case EM_PARTITION_NEIGHBOURS: return &em_partition_neighbours;
+    case EM_PARTITION_CELLS: return &em_partition_cells;
+    case EM_PARTITION_SLICES: return &em_partition_slices;
+    case EM_PARTITION_NONE: return &em_partition_none;
+    default: return NULL;
+  }
+}
+
+static double nearest(double d, double period) {
+  return period > 0.0 ? d - period * nearbyint(d / period) : d;
+}
+
+/* The straight path leaves a sphere of nine tenths of the room; what gravity adds until the cap,
+ * ½ g τ², is the last tenth. */
+double em_partition_stay(const struct em_world *w, uint32_t i, double from, struct em_vec c,
+                         double room) {
+  const struct em_vec x = em_body_at(w, i, from), v = em_body_velocity(w, i, from);
+  const struct em_vec o = {nearest(x.x - c.x, w->period.x), nearest(x.y - c.y, w->period.y),
+                           nearest(x.z - c.z, w->period.z)};
+  const double s = (w->fall > 0.0 ? 0.9 : 0.999999) * room;
+  const double b = em_vec_dot(o, v), vv = em_vec_norm2(v), c0 = s * s - em_vec_norm2(o);
+  double stay;
+  if (c0 <= 0.0) {
+    const double disc = b * b + vv * c0;
+    stay = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
+  } else {
+    const double root = sqrt(b * b + vv * c0);
+    stay = b > 0.0 ? c0 / (b + root) : vv > 0.0 ? (root - b) / vv : INFINITY;
+  }
+  if (w->fall > 0.0) stay = fmin(stay, sqrt(0.2 * room / w->fall));
+  return from + stay;
+}
+
+uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double radius,
+                             double room) {
+  uint32_t mask = 0;
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    const struct em_blade *b = &w->blade[k].blade;
+    const struct em_vec q = em_vec_sub(c, b->centre);
+    const double axial = em_vec_dot(q, b->axis), pad = radius + room;
+    if (fabs(axial) > b->radius + pad) continue;
+    if (b->tip != EM_TIP_NONE) {
+      const double far = w->blade[k].hull + pad;
+      if (em_vec_norm2(q) - axial * axial > far * far) continue;
+    }
+    mask |= 1u << (k < 31 ? k : 31);
+  }
+  return mask;
+}

@@ -1,0 +1,49 @@
+/* Partitions: which balls, and which blades, can a ball meet before it leaves its place?
+ *
+ * A partition keeps world.leave[i] for every ball: a time, never later than the moment from which
+ * the candidates of i could be incomplete. Until both leave times, any two balls that can touch are
+ * candidates of each other. What is chosen never changes the sequence of collisions. */
+#ifndef EVENTMILL_PARTITION_H
+#define EVENTMILL_PARTITION_H
+
+#include "event/body.h"
+
+struct em_partition_kind {
+  const char *name;
+  /* Makes the partition for the world's balls at its clock and sets all leave times. Reads the
+   * world's scene, bodies, bounds, period and blades. Errors: EM_MEMORY, EM_INPUT. */
+  enum em_status (*make)(struct em_world *world, struct em_places **places,
+                         struct em_error *err);
+  void (*free)(struct em_places *places);
+  /* All candidates of ball i (i itself is not among them); valid until the next call. */
+  const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
+  /* Ball i moves along a new path since body[i].t: sets world.leave[i]. */
+  void (*moved)(struct em_world *world, uint32_t i);
+  /* Ball i has reached its leave time `now`: re-places it, sets world.leave[i] > now where it can,
+   * and returns candidates that may be new (a superset of the new ones is allowed). Valid until the
+   * next call. NULL with *count > 0: no memory. */
+  const uint32_t *(*cross)(struct em_world *world, uint32_t i, double now, uint32_t *count);
+  /* Blades that ball i can meet before it leaves: bit k for blade k, bit 31 for all from 31 on. */
+  uint32_t (*blades)(const struct em_world *world, uint32_t i);
+  size_t (*bytes)(const struct em_places *places);
+  bool (*is_valid)(const struct em_world *world);
+};
+
+extern const struct em_partition_kind em_partition_neighbours;
+extern const struct em_partition_kind em_partition_cells;
+extern const struct em_partition_kind em_partition_slices;
+extern const struct em_partition_kind em_partition_none;
+
+const struct em_partition_kind *em_partition_find(enum em_partition partition);
+
+/* Latest safe time (s within the epoch) until which ball i, where it is at the time `from` (≥ its
+ * own), stays within `room` (m) of the point c: a lower bound of the true time under gravity, never
+ * before `from`. In a periodic box c is taken at its nearest image. */
+double em_partition_stay(const struct em_world *world, uint32_t i, double from, struct em_vec c,
+                         double room);
+
+/* The blades that a ball of radius R whose centre stays within `room` of c can touch. */
+uint32_t em_partition_blades(const struct em_world *world, struct em_vec c, double radius,
+                             double room);
+
+#endif
