@@ -67,7 +67,6 @@ PROGRAMS := $(patsubst src/tool/%.c,$(B)/%,$(wildcard src/tool/mill.c src/tool/m
 
 STATIC := $(B)/libeventmill.a
 SHARED := $(B)/libeventmill.so
-PC     := $(B)/eventmill.pc
 
 TEST_SRC    := $(sort $(wildcard tests/*/test_*.c))
 TEST_SH     := $(sort $(wildcard tests/*/test_*.sh))
@@ -84,7 +83,7 @@ TEST_LIBS   := -lcmocka -lmpfr -lgmp \
 
 .PHONY: all help setup packages demo check check-long hard bench fuzz install uninstall clean \
         lint format info build-tests force
-all: packages $(STATIC) $(SHARED) $(PC) $(PROGRAMS)
+all: packages $(STATIC) $(SHARED) $(PROGRAMS)
 
 help:
 	@echo 'all demo check check-long hard bench fuzz install uninstall clean lint format info'
@@ -144,11 +143,6 @@ $(TEST_BIN) $(BENCH_BIN): $(B)/%: $(B)/%.o $(SUPPORT_OBJ) $(STATIC)
 $(REPLAY_BIN): $(B)/%_replay: $(B)/%.o $(B)/tests/fuzz/replay.o $(STATIC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(KIND) $(LDFLAGS) $^ $(LIBS) -o $@
-
-$(PC): eventmill.pc.in $(B)/flags
-	$(call say,GEN,$@)
-	$(Q)sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' \
-	  -e 's|@PACKAGES@|$(PACKAGES)|' $< >$@
 
 -include $(patsubst %.o,%.d,$(LIB_OBJ) $(TOOL_OBJ) $(PROGRAMS:$(B)/%=$(B)/src/tool/%.o) \
   $(SUPPORT_OBJ)) $(addsuffix .d,$(TEST_BIN) $(BENCH_BIN) $(FUZZ_BIN)) $(B)/tests/fuzz/replay.d
@@ -214,6 +208,11 @@ INC := $(DESTDIR)$(PREFIX)/include/eventmill
 SHR := $(DESTDIR)$(PREFIX)/share/eventmill
 
 install: all
+	@$(MAKE) --no-print-directory install-files
+
+# What has been built, as it is.
+.PHONY: install-files
+install-files:
 	install -d $(BIN) $(LIB)/pkgconfig $(INC) $(SHR)/geometries
 	install -m 755 $(PROGRAMS) $(BIN)
 	install -m 644 include/eventmill/*.h $(INC)
@@ -221,7 +220,8 @@ install: all
 	install -m 755 $(SHARED) $(LIB)/libeventmill.so.$(VERSION)
 	ln -sf libeventmill.so.$(VERSION) $(LIB)/libeventmill.so.$(SOMAJOR)
 	ln -sf libeventmill.so.$(SOMAJOR) $(LIB)/libeventmill.so
-	install -m 644 $(PC) $(LIB)/pkgconfig
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@PACKAGES@|$(PACKAGES)|' \
+	  eventmill.pc.in >$(LIB)/pkgconfig/eventmill.pc
 	install -m 644 geometries/* $(SHR)/geometries
 
 uninstall:
