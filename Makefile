@@ -182,8 +182,8 @@ bench: all $(call chosen,$(BENCH_BIN))
 FUZZ_TIME ?= 60
 fuzz:
 	@scripts/setup fuzz
-	@$(submake) CC=clang BUILD=$(BUILD)/fuzz \
-	  CFLAGS='$(CFLAGS) -fsanitize=fuzzer-no-link,address,undefined' run-fuzz
+	@$(submake) CC=clang SAN=1 BUILD=$(BUILD)/fuzz CFLAGS='$(CFLAGS) -fsanitize=fuzzer-no-link' \
+	  run-fuzz
 
 .PHONY: run-fuzz
 run-fuzz: $(FUZZ_BIN)
