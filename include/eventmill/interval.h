@@ -1,0 +1,48 @@
+/* Figures with confidence intervals, for independent values and for series that are correlated in
+ * time. Sources: Reichardt 2005 (16-1 … 16-3); Flyvbjerg & Petersen 1989 (blocking) with the
+ * stopping rule of Jonsson 2018; jackknife over blocks of time (Quenouille, Tukey). */
+#ifndef EVENTMILL_INTERVAL_H
+#define EVENTMILL_INTERVAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "eventmill/error.h"
+#include "eventmill/histogram.h"
+
+/* value ± half at the level asked for. */
+struct em_interval {
+  double value;
+  double half;         /* half width of the confidence interval; NAN when it cannot be told */
+  double error;        /* standard error of `value` */
+  double freedom;      /* degrees of freedom of `error` */
+  double inefficiency; /* how many successive values count as one independent value, ≥ 1 */
+};
+
+/* Student's t for a two-sided interval: t(P, ν). NAN for freedom < 1. */
+double em_interval_student(double level, double freedom);
+
+/* Mean of n independent values: half = t(P, n−1) σ/√n (16-3). */
+struct em_interval em_interval_mean(const double *x, size_t n, double level);
+
+/* Mean of n successive values of a stationary series: neighbours are averaged in pairs until the
+ * averages are no longer correlated; what correlation the test let pass enlarges the error as in an
+ * autoregressive series of first order. A series too short to tell has half = NAN (n < 2) or the
+ * estimate of its longest blocks. */
+struct em_interval em_interval_series(const double *x, size_t n, double level);
+
+/* A figure of the sum of blocks of successive counts, e.g. the median over the whole time. The
+ * pseudo-values of the jackknife, B θ − (B−1) θ without block b, are a series to which
+ * em_interval_series applies. figure(h, weight, self): h is a sum of blocks, weight the sum of
+ * their weights (e.g. durations in s). Errors: EM_MEMORY. */
+enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
+                                  struct em_histogram *const *block, const double *weight,
+                                  double (*figure)(const struct em_histogram *h, double weight,
+                                                   void *self),
+                                  void *self, double level);
+
+/* Probability that two figures differ by as much as these do when they are equal in truth
+ * (Welch's test, two-sided); NAN when an error is unknown. */
+double em_interval_difference(const struct em_interval *a, const struct em_interval *b);
+
+#endif

@@ -1,0 +1,351 @@
+/* Intervals, steady state, goodness of fit and curve fits on data whose truth is known. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+
+#include "eventmill/fit.h"
+#include "eventmill/goodness.h"
+#include "eventmill/interval.h"
+#include "eventmill/steady.h"
+
+#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+static gsl_rng *rng;
+
+static int make_rng(void **state) {
+  (void)state;
+  rng = gsl_rng_alloc(gsl_rng_mt19937);
+  return 0;
+}
+
+static int free_rng(void **state) {
+  (void)state;
+  gsl_rng_free(rng);
+  return 0;
+}
+
+/* AR(1): x_i = φ x_{i−1} + ε; variance 1/(1−φ²), error of the mean √((1+φ)/(1−φ)) σ/√n. */
+static void autoregressive(double *x, size_t n, double phi) {
+  double y = gsl_ran_ugaussian(rng) / sqrt(1.0 - phi * phi);
+  for (size_t i = 0; i < n; i++) {
+    x[i] = y;
+    y = phi * y + gsl_ran_ugaussian(rng);
+  }
+}
+
+static void blocking_knows_the_error_of_ar1(void **state) {
+  (void)state;
+  enum { N = 4000, RUNS = 300 };
+  static double x[N];
+  const double phis[] = {0.0, 0.5, 0.9};
+  for (int k = 0; k < 3; k++) {
+    const double phi = phis[k], truth = 1.0 / (1.0 - phi) / sqrt(N);
+    double mean = 0.0, inside = 0.0, inefficiency = 0.0;
+    gsl_rng_set(rng, 7);
+    for (int r = 0; r < RUNS; r++) {
+      autoregressive(x, N, phi);
+      const struct em_interval i = em_interval_series(x, N, 0.95);
+      mean += i.error / RUNS;
+      inefficiency += i.inefficiency / RUNS;
+      inside += fabs(i.value) <= i.half;
+    }
+    assert_near(mean / truth, 1.0, 0.08);
+    assert_near(inefficiency * (1.0 - phi) / (1.0 + phi), 1.0, 0.15);
+    assert_in_range((unsigned long)inside, (unsigned long)(0.91 * RUNS),
+                    (unsigned long)(0.985 * RUNS));
+    /* the formula for independent values would be wrong by √((1+φ)/(1−φ)) */
+    if (phi == 0.9) assert_true(em_interval_mean(x, N, 0.95).error < 0.3 * truth);
+  }
+}
+
+static void student_and_simple_means(void **state) {
+  (void)state;
+  assert_near(em_interval_student(0.95, 10), 2.228139, 1e-5);
+  assert_near(em_interval_student(0.95, 1e7), 1.959964, 1e-4);
+  assert_true(isnan(em_interval_student(0.95, 0)));
+  const double x[] = {1.0, 2.0, 3.0, 4.0};
+  const struct em_interval i = em_interval_mean(x, 4, 0.95);
+  assert_near(i.value, 2.5, 1e-15);
+  assert_near(i.half, 3.182446 * sqrt(5.0 / 3.0) / 2.0, 1e-5);
+  assert_true(isnan(em_interval_series(x, 1, 0.95).half));
+  assert_true(isnan(em_interval_mean(x, 0, 0.95).value));
+  const double same[8] = {2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0};
+  assert_near(em_interval_series(same, 8, 0.95).half, 0.0, 1e-15);
+}
+
+static double median(const struct em_histogram *h, double weight, void *self) {
+  (void)weight;
+  (void)self;
+  return em_histogram_quantile(h, 0.5);
+}
+
+static double rate(const struct em_histogram *h, double weight, void *self) {
+  (void)self;
+  return h->total / weight;
+}
+
+/* Blocks of Rayleigh values whose parameter drifts slowly up and down: the interval of the pooled
+ * median must hold the truth as often as it says, and that of the rate as well. */
+static void jackknife_covers(void **state) {
+  (void)state;
+  enum { BLOCKS = 64, EACH = 500, RUNS = 120 };
+  struct em_histogram *block[BLOCKS];
+  double weight[BLOCKS], level[BLOCKS];
+  for (int b = 0; b < BLOCKS; b++) block[b] = em_histogram_new_octaves(64, -10, 14, false);
+  int inside[2] = {0, 0}, naive = 0;
+  gsl_rng_set(rng, 11);
+  for (int r = 0; r < RUNS; r++) {
+    autoregressive(level, BLOCKS, 0.6);
+    double all = 0.0;
+    for (int b = 0; b < BLOCKS; b++) {
+      em_histogram_clear(block[b]);
+      weight[b] = 0.05;
+      const unsigned n = gsl_ran_poisson(rng, EACH);
+      for (unsigned i = 0; i < n; i++)
+        em_histogram_add(block[b], gsl_ran_rayleigh(rng, exp(0.05 * level[b])), 1.0);
+      all += n;
+    }
+    struct em_interval i;
+    assert_int_equal(em_interval_figure(&i, BLOCKS, block, weight, median, NULL, 0.95), EM_OK);
+    const double truth = sqrt(2.0 * log(2.0));
+    inside[0] += fabs(i.value - truth) <= i.half;
+    naive += fabs(i.value - truth) <= 1.96 * 0.849 / sqrt(all); /* 1/(2 f(m) √n), Rayleigh */
+    assert_int_equal(em_interval_figure(&i, BLOCKS, block, weight, rate, NULL, 0.95), EM_OK);
+    inside[1] += fabs(i.value - EACH / 0.05) <= i.half;
+  }
+  assert_in_range(inside[0], 0.88 * RUNS, RUNS);
+  assert_in_range(inside[1], 0.88 * RUNS, RUNS);
+  assert_true(naive < 0.75 * RUNS);
+  for (int b = 0; b < BLOCKS; b++) em_histogram_free(block[b]);
+}
+
+static void differences(void **state) {
+  (void)state;
+  const struct em_interval a = {1.0, 0.0, 0.1, 1e9, 1.0}, b = {1.3, 0.0, 0.1, 1e9, 1.0};
+  assert_near(em_interval_difference(&a, &b), 2.0 * gsl_cdf_ugaussian_Q(0.3 / sqrt(0.02)),
+                     1e-6);
+  assert_near(em_interval_difference(&a, &a), 1.0, 1e-12);
+  const struct em_interval unknown = {1.0, NAN, NAN, 0.0, 1.0};
+  assert_true(isnan(em_interval_difference(&a, &unknown)));
+}
+
+/* A ramp or an exponential approach of known length, then noise. */
+static void mser_finds_the_end_of_ramps(void **state) {
+  (void)state;
+  enum { N = 600 };
+  double x[N];
+  int late = 0;
+  gsl_rng_set(rng, 3);
+  for (int r = 0; r < 50; r++) {
+    const int end = 60 + 4 * r / 2;
+    for (int i = 0; i < N; i++) {
+      const double ramp = i < end ? 3.0 * (end - i) / end : 0.0;
+      x[i] = 2.0 + ramp + 0.1 * gsl_ran_ugaussian(rng);
+    }
+    const struct em_steady s = em_steady_find(x, N);
+    assert_true(s.found);
+    assert_true((int)s.start >= (int)(0.85 * end) - 5);
+    late += (int)s.start > end + 60;
+    assert_true(fabs(s.geweke) < 5.0);
+    assert_true(fabs(em_steady_geweke(x, N)) > 8.0);
+  }
+  assert_true(late < 15); /* the criterion is flat: chance may cut more */
+}
+
+static void mser_keeps_noise_and_refuses_drift(void **state) {
+  (void)state;
+  enum { N = 500 };
+  double x[N];
+  gsl_rng_set(rng, 5);
+  int early = 0;
+  for (int r = 0; r < 100; r++) {
+    autoregressive(x, N, 0.5);
+    early += em_steady_find(x, N).start <= N / 4;
+  }
+  assert_true(early >= 85);
+  for (int i = 0; i < N; i++) x[i] = 0.01 * i + 0.05 * gsl_ran_ugaussian(rng);
+  assert_true(!em_steady_find(x, N).found || fabs(em_steady_find(x, N).geweke) > 5.0);
+  assert_int_equal(em_steady_mser(x, 0), 0);
+  assert_true(isnan(em_steady_find(x, 3).geweke));
+}
+
+static void geweke_is_normal_under_the_null(void **state) {
+  (void)state;
+  enum { N = 2000, RUNS = 300 };
+  static double x[N];
+  double u[RUNS];
+  gsl_rng_set(rng, 13);
+  for (int r = 0; r < RUNS; r++) {
+    autoregressive(x, N, 0.5);
+    u[r] = gsl_cdf_ugaussian_P(em_steady_geweke(x, N));
+  }
+  assert_true(em_goodness_ks(u, RUNS).p > 0.01);
+}
+
+enum { SEEDS = 200 };
+
+static double draw(enum em_distribution law, double a) {
+  const int k = em_distribution_freedom(law);
+  if (k == 1) return gsl_ran_gaussian(rng, a);
+  if (k > 1) return a * sqrt(gsl_ran_chisq(rng, k));
+  const double u = gsl_rng_uniform(rng);
+  return law == EM_DISTRIBUTION_LINEAR ? a * sqrt(u) : a * u;
+}
+
+/* p-values must be uniform when the law holds, and tiny when it does not. */
+static void p_values_are_uniform(void **state) {
+  (void)state;
+  enum { N = 2000 };
+  static double u[N], ks[SEEDS], chi2[SEEDS];
+  for (int law = 0; law < EM_DISTRIBUTION_COUNT; law++) {
+    for (unsigned seed = 0; seed < SEEDS; seed++) {
+      gsl_rng_set(rng, 100 + seed);
+      for (int i = 0; i < N; i++) u[i] = em_distribution_cdf(law, 1.7, draw(law, 1.7));
+      struct em_goodness g;
+      assert_int_equal(em_goodness_chi2_uniform(&g, u, N, 0, 1), EM_OK);
+      chi2[seed] = g.p;
+      ks[seed] = em_goodness_ks(u, N).p;
+    }
+    assert_true(em_goodness_ks(ks, SEEDS).p > 0.01);
+    assert_true(em_goodness_ks(chi2, SEEDS).p > 0.01);
+    for (int i = 0; i < N; i++) u[i] = em_distribution_cdf(law, 2.0, draw(law, 1.7));
+    struct em_goodness g;
+    assert_int_equal(em_goodness_chi2_uniform(&g, u, N, 0, 1), EM_OK);
+    const double p = em_goodness_ks(u, N).p;
+    assert_true(g.p < 0.05 || p < 0.05);
+  }
+}
+
+/* With the parameter taken from the sample's own energy. */
+static void tied_p_values_are_uniform(void **state) {
+  (void)state;
+  enum { N = 1000, RUNS = 60 };
+  static double x[N], ks[RUNS], chi2[RUNS], free_p[RUNS];
+  const enum em_distribution laws[] = {EM_DISTRIBUTION_MAXWELL, EM_DISTRIBUTION_NORMAL};
+  for (int l = 0; l < 2; l++) {
+    for (unsigned seed = 0; seed < RUNS; seed++) {
+      gsl_rng_set(rng, 900 + seed);
+      double sum = 0.0;
+      for (int i = 0; i < N; i++) {
+        x[i] = draw(laws[l], 0.3);
+        sum += x[i] * x[i];
+      }
+      const double a = sqrt(sum / (N * em_distribution_freedom(laws[l])));
+      for (int i = 0; i < N; i++) x[i] = em_distribution_cdf(laws[l], a, x[i]);
+      struct em_goodness g;
+      assert_int_equal(em_goodness_chi2_uniform(&g, x, N, 0, 2), EM_OK);
+      chi2[seed] = g.p;
+      assert_int_equal(em_goodness_ks_tied(&g, laws[l], x, N), EM_OK);
+      ks[seed] = g.p;
+      free_p[seed] = em_goodness_ks(x, N).p;
+    }
+    assert_true(em_goodness_ks(ks, RUNS).p > 0.01);
+    assert_true(em_goodness_ks(chi2, RUNS).p > 0.01);
+    assert_true(em_goodness_ks(free_p, RUNS).p < 0.01); /* the plain test would be far too kind */
+  }
+  struct em_goodness g;
+  assert_int_equal(em_goodness_ks_tied(&g, EM_DISTRIBUTION_UNIFORM, x, N), EM_INPUT);
+}
+
+static void chi2_merges_thin_bins(void **state) {
+  (void)state;
+  const double expected[] = {1.0, 2.0, 3.0, 50.0, 40.0, 2.0, 1.0};
+  const double observed[] = {0.0, 3.0, 5.0, 45.0, 43.0, 1.0, 2.0};
+  const struct em_goodness g = em_goodness_chi2(observed, expected, 7, 1);
+  /* cells {6}, {50}, {43} */
+  assert_near(g.freedom, 2.0, 0.0);
+  assert_near(g.statistic, 4.0 / 6.0 + 25.0 / 50.0 + 9.0 / 43.0, 1e-12);
+  assert_near(em_goodness_kolmogorov(1.3581), 0.05, 1e-4);
+  assert_near(em_goodness_kolmogorov(0.8276), 0.5, 1e-3);
+  assert_near(em_goodness_kolmogorov(1.1799999), em_goodness_kolmogorov(1.18), 1e-6);
+}
+
+static void two_samples(void **state) {
+  (void)state;
+  enum { N = 800, M = 500 };
+  static double a[N], b[M], p[SEEDS];
+  for (unsigned seed = 0; seed < SEEDS; seed++) {
+    gsl_rng_set(rng, 40 + seed);
+    for (int i = 0; i < N; i++) a[i] = gsl_ran_ugaussian(rng);
+    for (int i = 0; i < M; i++) b[i] = gsl_ran_ugaussian(rng);
+    p[seed] = em_goodness_ks_two(a, N, b, M).p;
+  }
+  assert_true(em_goodness_ks(p, SEEDS).p > 0.01);
+  for (int i = 0; i < M; i++) b[i] += 0.4;
+  assert_true(em_goodness_ks_two(a, N, b, M).p < 1e-4);
+}
+
+static double spahn(double v, const double *p, const void *self) {
+  (void)self;
+  return v + p[1] > 0.0 ? p[0] / pow(v + p[1], p[2]) : NAN;
+}
+
+/* The law of restitution that the source fitted, back from noisy data; errors must cover. */
+static void fit_recovers_parameters(void **state) {
+  (void)state;
+  enum { N = 240, RUNS = 60 };
+  double v[N], e[N];
+  const double truth[] = {0.985, 0.9494, 0.291}, start[] = {1.0, 1.0, 0.25};
+  const struct em_fit_model model = {3, spahn, NULL};
+  int inside[3] = {0, 0, 0};
+  for (unsigned r = 0; r < RUNS; r++) {
+    gsl_rng_set(rng, r);
+    for (int i = 0; i < N; i++) {
+      v[i] = gsl_ran_flat(rng, 0.1, 50.0);
+      e[i] = spahn(v[i], truth, NULL) + gsl_ran_gaussian(rng, 0.02);
+    }
+    struct em_fit fit;
+    assert_int_equal(em_fit_curve(&fit, &model, N, v, e, start, NULL), EM_OK);
+    assert_true(fit.converged);
+    assert_near(fit.sigma, 0.02, 0.004);
+    for (int k = 0; k < 3; k++) inside[k] += fabs(fit.p[k] - truth[k]) <= 1.97 * fit.error[k];
+  }
+  for (int k = 0; k < 3; k++) assert_in_range(inside[k], 0.85 * RUNS, RUNS);
+  for (int i = 0; i < N; i++) e[i] = spahn(v[i], truth, NULL);
+  struct em_fit fit;
+  assert_int_equal(em_fit_curve(&fit, &model, N, v, e, start, NULL), EM_OK);
+  for (int k = 0; k < 3; k++) assert_near(fit.p[k], truth[k], 1e-6);
+}
+
+static void fits_refuse_nonsense(void **state) {
+  (void)state;
+  const struct em_fit_model model = {3, spahn, NULL};
+  const double x[] = {1.0, 2.0, 3.0, NAN}, y[] = {1.0, 1.0, 1.0, 1.0};
+  struct em_fit fit;
+  struct em_error err;
+  assert_int_equal(em_fit_curve(&fit, &model, 3, x, y, (double[]){1, 1, 1}, &err), EM_INPUT);
+  assert_int_equal(em_fit_curve(&fit, &model, 4, x, y, (double[]){1, 1, 1}, &err), EM_INPUT);
+  const double z[] = {1.0, 2.0, 3.0, 4.0};
+  assert_int_equal(em_fit_curve(&fit, &model, 4, z, y, (double[]){1, -9, 1}, &err), EM_NUMERIC);
+  const double line[] = {3.0, 5.0, 7.0, 9.0};
+  assert_int_equal(em_fit_line(&fit, 4, z, line, &err), EM_OK);
+  assert_near(fit.p[0], 1.0, 1e-12);
+  assert_near(fit.p[1], 2.0, 1e-12);
+  assert_int_equal(em_fit_line(&fit, 2, z, line, &err), EM_INPUT);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(blocking_knows_the_error_of_ar1),
+      cmocka_unit_test(student_and_simple_means),
+      cmocka_unit_test(jackknife_covers),
+      cmocka_unit_test(differences),
+      cmocka_unit_test(mser_finds_the_end_of_ramps),
+      cmocka_unit_test(mser_keeps_noise_and_refuses_drift),
+      cmocka_unit_test(geweke_is_normal_under_the_null),
+      cmocka_unit_test(p_values_are_uniform),
+      cmocka_unit_test(tied_p_values_are_uniform),
+      cmocka_unit_test(chi2_merges_thin_bins),
+      cmocka_unit_test(two_samples),
+      cmocka_unit_test(fit_recovers_parameters),
+      cmocka_unit_test(fits_refuse_nonsense),
+  };
+  return cmocka_run_group_tests(tests, make_rng, free_rng);
+}
