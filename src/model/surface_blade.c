@@ -1,0 +1,285 @@
+/* When a ball in free flight first touches a turning blade: a search that provably jumps over no
+ * contact. The derivation is in docs/physics.md. */
+#include <float.h>
+#include <stddef.h>
+
+#include "eventmill/surface.h"
+
+/* Distance to something and its time derivative. */
+struct gap {
+  double value, rate;
+};
+
+/* The search for one ball and one blade, in coordinates about the blade's centre: u along e1, w along
+ * axis × e1, y along the axis. */
+struct search {
+  double pu, pw, py, vu, vw, vy, gu, gw, gy;
+  double fall;              /* m/s², |g| */
+  double angle, omega;      /* of the blade */
+  double radius;            /* m, of the ball */
+  double a, reach;          /* m, of the blade */
+  enum em_tip tip;
+  double bound;             /* m from the rotor's axis: no contact is farther out */
+  double tolerance;         /* m, rounding of a distance */
+};
+
+/* Where the ball is at one time. */
+struct place {
+  double u, w, y, du, dw, dy;
+  double r, speed; /* m from the rotor's axis; m/s across it */
+};
+
+static struct place place_at(const struct search *s, double t) {
+  struct place p;
+  p.u = s->pu + t * (s->vu + 0.5 * t * s->gu);
+  p.w = s->pw + t * (s->vw + 0.5 * t * s->gw);
+  p.y = s->py + t * (s->vy + 0.5 * t * s->gy);
+  p.du = s->vu + t * s->gu;
+  p.dw = s->vw + t * s->gw;
+  p.dy = s->vy + t * s->gy;
+  p.r = sqrt(p.u * p.u + p.w * p.w);
+  p.speed = sqrt(p.du * p.du + p.dw * p.dw);
+  return p;
+}
+
+/* Distance from the point (x, y) of a half plane to the profile of the slab |y| ≤ a inside the
+ * sphere of radius √(reach² + a²), which is what a bar with flat ends sweeps. */
+static struct gap swept_flat(const struct place *p, double reach, double a, double radius) {
+  const double sign = p->y < 0.0 ? -1.0 : 1.0, y = sign * p->y, dy = sign * p->dy;
+  const double up = y - a, out = p->r - reach;
+  const double turn = p->u * p->du + p->w * p->dw; /* r r' */
+  if (up <= 0.0 || up * reach < out * a) {
+    const double far = sqrt(p->r * p->r + y * y);
+    return (struct gap){far - sqrt(reach * reach + a * a) - radius,
+                        far > 0.0 ? (turn + y * dy) / far : 0.0};
+  }
+  if (out <= 0.0) return (struct gap){up - radius, dy};
+  const double d = sqrt(up * up + out * out);
+  return (struct gap){d - radius, (up * dy + out * turn / p->r) / d};
+}
+
+/* The same for a bar with hemispherical ends: a disc of radius reach − a, thickened by a. */
+static struct gap swept_round(const struct place *p, double reach, double a, double radius) {
+  const double out = p->r - (reach > a ? reach - a : 0.0);
+  const double sign = p->y < 0.0 ? -1.0 : 1.0;
+  if (out <= 0.0) return (struct gap){sign * p->y - a - radius, sign * p->dy};
+  const double d = sqrt(out * out + p->y * p->y);
+  const double dr = p->r > 0.0 ? (p->u * p->du + p->w * p->dw) / p->r : p->speed;
+  return (struct gap){d - a - radius, (out * dr + p->y * p->dy) / d};
+}
+
+/* Distance of the ball from the body that the blade sweeps in a turn: a lower bound of its distance
+ * from the blade at any angle. (Tip `none`: of its centre from the places where contacts are.) */
+static struct gap swept(const struct search *s, const struct place *p) {
+  switch (s->tip) {
+  case EM_TIP_HEMISPHERE: return swept_round(p, s->reach, s->a, s->radius);
+  case EM_TIP_NONE: return swept_flat(p, s->reach, s->a + s->radius, 0.0);
+  case EM_TIP_FLAT:
+  case EM_TIP_COUNT: break;
+  }
+  return swept_flat(p, s->reach, s->a, s->radius);
+}
+
+/* In the frame that turns with the blade: x along the bar, ρ from its axis, and their rates. */
+struct turned {
+  double x, rho, dx, drho;
+};
+
+static struct turned turn(const struct search *s, const struct place *p, double t) {
+  double sine, cosine;
+  sincos(s->angle + s->omega * t, &sine, &cosine);
+  const double x = p->u * cosine + p->w * sine, z = p->w * cosine - p->u * sine;
+  const double dx = p->du * cosine + p->dw * sine + s->omega * z;
+  const double dz = p->dw * cosine - p->du * sine - s->omega * x;
+  const double rho = sqrt(p->y * p->y + z * z);
+  const double drho = rho > 0.0 ? (p->y * p->dy + z * dz) / rho : sqrt(p->dy * p->dy + dz * dz);
+  return x < 0.0 ? (struct turned){-x, rho, -dx, drho} : (struct turned){x, rho, dx, drho};
+}
+
+/* Distance between the surfaces of ball and blade; convex in the ball's place, of slope 1. */
+static struct gap distance(const struct search *s, const struct turned *q) {
+  if (s->tip == EM_TIP_NONE) return (struct gap){q->rho - (s->a + s->radius), q->drho};
+  const bool round = s->tip == EM_TIP_HEMISPHERE;
+  const double end = round ? (s->reach > s->a ? s->reach - s->a : 0.0) : s->reach;
+  const double ax = q->x - end, ar = round ? q->rho : q->rho - s->a;
+  const double off = round ? s->a + s->radius : s->radius;
+  if (ax <= 0.0 && (round || ar > ax)) return (struct gap){ar - off, q->drho};
+  if (ar <= 0.0) return (struct gap){ax - off, q->dx};
+  const double d = sqrt(ax * ax + ar * ar);
+  return (struct gap){d - off, (ax * q->dx + ar * q->drho) / d};
+}
+
+/* The time for which f + f' s − ½ bend s² stays positive; from f = 0, where it has become positive,
+ * or where f' turns negative if it never does. */
+static double safe_step(double f, double rate, double bend) {
+  const double disc = rate * rate + 2.0 * bend * f;
+  const double root = disc > 0.0 ? sqrt(disc) : 0.0;
+  if (rate < 0.0) return 2.0 * f / (root - rate);
+  return bend > 0.0 ? (rate + root) / bend : INFINITY;
+}
+
+/* A bound of the acceleration in the frame that turns, valid for the next 1/|ω|:
+ * |g| + 2 |ω| V + ω² r with the growth of V and r under gravity. */
+static double acceleration(const struct search *s, const struct place *p) {
+  if (s->omega == 0.0) return s->fall;
+  const double omega = fabs(s->omega), r = p->r > s->bound ? p->r : s->bound;
+  return 3.125 * s->fall + omega * (2.0 * p->speed + omega * r);
+}
+
+/* Inside the endless bar of the tip `none`: F = ρ² − w² has F'' ≤ 2 U² + 2 w A; the first root of
+ * the upper parabola is not later than the exit. */
+static double inside_step(const struct search *s, const struct place *p, const struct turned *q,
+                          double bend) {
+  const double width = s->a + s->radius, omega = fabs(s->omega);
+  const double r = p->r > s->bound ? p->r : s->bound;
+  const double drift = omega > 0.0 ? s->fall / omega : 0.0;
+  double u2 = p->speed + drift + omega * r;
+  u2 = u2 * u2 + (fabs(p->dy) + drift) * (fabs(p->dy) + drift);
+  const double value = fmin((q->rho - width) * (q->rho + width), 0.0), rate = 2.0 * q->rho * q->drho;
+  const double curve = 2.0 * (u2 + width * bend);
+  const double root = sqrt(rate * rate - 2.0 * curve * value);
+  return rate > 0.0 ? -2.0 * value / (rate + root) : curve > 0.0 ? (root - rate) / curve : INFINITY;
+}
+
+/* A ball that is slower than rounding over half a turn: the time until it has moved by that. */
+static double idle_step(const struct search *s, const struct place *p) {
+  const double speed = sqrt(p->speed * p->speed + p->dy * p->dy);
+  const double half = s->omega != 0.0 ? M_PI / fabs(s->omega) : INFINITY;
+  if ((speed + 0.5 * s->fall * half) * half > s->tolerance) return 0.0;
+  return 2.0 * s->tolerance / (speed + sqrt(speed * speed + 2.0 * s->fall * s->tolerance));
+}
+
+/* After this time the ball is beyond the blade for ever. */
+static double gone(const struct search *s, const struct place *p) {
+  if (s->fall == 0.0) return INFINITY;
+  const double speed = sqrt(p->speed * p->speed + p->dy * p->dy);
+  const double way = 2.0 * s->bound + p->r + fabs(p->y);
+  return (speed + sqrt(speed * speed + 2.0 * s->fall * way)) / s->fall;
+}
+
+static double walk(const struct search *s, bool touched, double horizon, unsigned *steps) {
+  const double near = 1e-3 * (s->radius + s->a), deep = -1e-9 * (s->radius + s->a);
+  const double cap = s->omega != 0.0 ? 1.0 / fabs(s->omega) : INFINITY;
+  const double half = M_PI * cap;
+  double t = 0.0, mark = 0.0, limit = horizon;
+  bool inside = false;
+  struct place p = place_at(s, t);
+  const double far = gone(s, &p);
+  if (far < limit) limit = far;
+  while (t <= limit) {
+    const struct gap outer = swept(s, &p);
+    if (outer.value > near && !(touched && t == 0.0)) {
+      t += safe_step(outer.value, outer.rate, s->fall);
+      mark = t;
+      if (t > limit) break;
+      p = place_at(s, t);
+      continue;
+    }
+    ++*steps;
+    const struct turned q = turn(s, &p, t);
+    struct gap f = distance(s, &q);
+    if (touched && t == 0.0) f.value = 0.0;
+    const double bend = acceleration(s, &p);
+    if (s->tip == EM_TIP_NONE && f.value < deep) inside = true;
+    double step;
+    if (inside && (f.value < -s->tolerance || f.rate <= 0.0)) {
+      step = inside_step(s, &p, &q, bend);
+    } else if (f.value <= s->tolerance && f.rate < 0.0) {
+      if (s->tip != EM_TIP_NONE || q.x <= s->reach) {
+        t += fmax(f.value, 0.0) / -f.rate;
+        return t <= horizon ? t : INFINITY;
+      }
+      inside = true;
+      step = inside_step(s, &p, &q, bend);
+    } else {
+      inside = false;
+      step = safe_step(f.value, f.rate, bend);
+    }
+    /* Never slower than what rounding hides. */
+    if (f.rate >= 0.0 || inside) {
+      const double least = sqrt(2.0 * s->tolerance / bend);
+      if (step < least) step = least;
+    }
+    if (step > cap) step = cap;
+    if (outer.value > 0.0) step = fmax(step, safe_step(outer.value, outer.rate, s->fall));
+    if (t + step - mark > half) {
+      step = fmax(step, idle_step(s, &p));
+      mark = t;
+    }
+    const double next = t + step;
+    t = next > t ? next : nextafter(t, INFINITY);
+    if (t > limit) break;
+    p = place_at(s, t);
+  }
+  return INFINITY;
+}
+
+static struct search prepare(const struct em_blade *blade, struct em_vec r, double radius,
+                             double angle) {
+  const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
+  const struct em_vec d = em_vec_sub(r, blade->centre);
+  struct search s = {.angle = angle, .omega = blade->omega, .radius = radius, .a = blade->radius,
+                     .reach = blade->reach, .tip = blade->tip};
+  s.pu = em_vec_dot(d, blade->e1);
+  s.pw = em_vec_dot(d, e2);
+  s.py = em_vec_dot(d, blade->axis);
+  const double a = blade->tip == EM_TIP_NONE ? blade->radius + radius : blade->radius;
+  s.bound = sqrt(blade->reach * blade->reach + a * a) + radius;
+  s.tolerance = 8.0 * DBL_EPSILON * (s.bound + fabs(s.pu) + fabs(s.pw) + fabs(s.py));
+  return s;
+}
+
+double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                        struct em_vec g, double radius, double angle, bool touched, double horizon,
+                        unsigned *steps) {
+  struct search s = prepare(blade, r, radius, angle);
+  const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
+  s.vu = em_vec_dot(v, blade->e1);
+  s.vw = em_vec_dot(v, e2);
+  s.vy = em_vec_dot(v, blade->axis);
+  s.gu = em_vec_dot(g, blade->e1);
+  s.gw = em_vec_dot(g, e2);
+  s.gy = em_vec_dot(g, blade->axis);
+  s.fall = em_vec_norm(g);
+  unsigned count = 0;
+  const double t = walk(&s, touched, horizon, &count);
+  if (steps != NULL) *steps += count;
+  return t;
+}
+
+double em_surface_blade_gap(const struct em_blade *blade, struct em_vec r, double radius,
+                            double angle) {
+  const struct search s = prepare(blade, r, radius, angle);
+  const struct place p = place_at(&s, 0.0);
+  const struct turned q = turn(&s, &p, 0.0);
+  return distance(&s, &q).value;
+}
+
+struct em_vec em_surface_blade_normal(const struct em_blade *blade, struct em_vec r, double angle) {
+  const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
+  const struct em_vec d = em_vec_sub(r, blade->centre);
+  double sine, cosine;
+  sincos(angle, &sine, &cosine);
+  const struct em_vec bar = em_vec_axpy(em_vec_scale(cosine, blade->e1), sine, e2);
+  const double x = em_vec_dot(d, bar);
+  const struct em_vec across = em_vec_axpy(d, -x, bar);
+  const double rho = em_vec_norm(across), sign = x < 0.0 ? -1.0 : 1.0;
+  const bool round = blade->tip == EM_TIP_HEMISPHERE;
+  double end = INFINITY;
+  if (round) end = blade->reach > blade->radius ? blade->reach - blade->radius : 0.0;
+  if (blade->tip == EM_TIP_FLAT) end = blade->reach;
+  const double ax = fabs(x) - end, ar = round ? rho : rho - blade->radius;
+  struct em_vec n;
+  if (ax <= 0.0 && (round || ar > ax))
+    n = across;
+  else if (ar <= 0.0)
+    n = em_vec_scale(sign, bar);
+  else
+    n = em_vec_axpy(round ? across : em_vec_scale(ar / rho, across), sign * ax, bar);
+  const double length = em_vec_norm(n);
+  return length > 0.0 ? em_vec_scale(1.0 / length, n) : blade->axis;
+}
+
+struct em_vec em_surface_blade_velocity(const struct em_blade *blade, struct em_vec x) {
+  return em_vec_scale(blade->omega, em_vec_cross(blade->axis, em_vec_sub(x, blade->centre)));
+}
