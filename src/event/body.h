@@ -36,6 +36,7 @@ struct em_turning {
   struct em_blade blade; /* angle: at the epoch's start */
   double swing;          /* m/s, speed of its tip */
   double hull;           /* m, half diagonal: no point of it is further from its centre */
+  struct em_vec e3;      /* axis × e1 */
   double cos, sin, at;   /* of its angle at the time `at`, for bounds only */
 };
 
@@ -58,7 +59,7 @@ struct em_world {
   struct em_vec low, high; /* m, of the chamber */
   struct em_vec period;    /* m; 0 where not periodic */
   bool drum;
-  bool wall[EM_WALLS];
+  bool wall[EM_WALLS], walls; /* which there are; any plane at all */
   uint32_t blade_count;
   struct em_turning *blade;
   struct em_blade_tally *blade_tally;
@@ -80,8 +81,7 @@ struct em_world {
   struct em_observer *observer;
   size_t observers;
   struct em_tally tally;
-  uint32_t *tied; /* scratch: balls whose events share one time */
-  size_t tied_room;
+  uint32_t *tied; /* scratch, count entries: balls whose events share one time */
 };
 
 /* The loop, compiled once per set of effects. */
@@ -104,6 +104,14 @@ struct em_loop_kind {
 };
 const struct em_loop_kind *em_loop_find(unsigned flags, bool avx2);
 const struct em_loop_kind *em_loop_avx2_find(unsigned flags);
+
+/* Moves all times back by one epoch and predicts everything anew: times stay small, and with them
+ * their rounding. */
+bool em_body_next_epoch(struct em_world *world);
+
+/* The error of a run that is stuck on ball i and its partner at `time` (s since the start). */
+enum em_status em_world_collapsed(const struct em_world *world, uint32_t i, uint32_t partner,
+                                  double time, struct em_error *err);
 
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);

@@ -46,10 +46,8 @@ uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double r
     const struct em_vec q = em_vec_sub(c, b->centre);
     const double axial = em_vec_dot(q, b->axis), pad = radius + room;
     if (fabs(axial) > b->radius + pad) continue;
-    if (b->tip != EM_TIP_NONE) {
-      const double far = w->blade[k].hull + pad;
-      if (em_vec_norm2(q) - axial * axial > far * far) continue;
-    }
+    const double far = w->blade[k].hull + pad;
+    if (em_vec_norm2(q) - axial * axial > far * far) continue;
     mask |= 1u << (k < 31 ? k : 31);
   }
   return mask;

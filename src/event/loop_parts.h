@@ -1,0 +1,202 @@
+/* What all variants of the loop share: vectors of four, periodic images, bookkeeping. */
+#ifndef EVENTMILL_LOOP_PARTS_H
+#define EVENTMILL_LOOP_PARTS_H
+
+#include <math.h>
+#include <string.h>
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+#include "event/body.h"
+#include "event/partition.h"
+
+struct remedy {
+  bool frictionless, elastic;
+};
+
+/* --- four doubles ----------------------------------------------------------------------------- */
+
+typedef double v4d __attribute__((vector_size(32)));
+typedef int64_t v4l __attribute__((vector_size(32)));
+
+static inline v4d v4d_all(double a) {
+  return (v4d){a, a, a, a};
+}
+
+static inline v4l v4l_all(int64_t a) {
+  return (v4l){a, a, a, a};
+}
+
+static inline v4l v4l_choose(v4l mask, v4l yes, v4l no) {
+  return (mask & yes) | (~mask & no);
+}
+
+static inline v4d v4d_choose(v4l mask, v4d yes, v4d no) {
+#ifdef __AVX2__
+  return _mm256_blendv_pd(no, yes, (v4d)mask);
+#else
+  return (v4d)v4l_choose(mask, (v4l)yes, (v4l)no);
+#endif
+}
+
+static inline v4d v4d_sqrt(v4d a) {
+#ifdef __AVX2__
+  return _mm256_sqrt_pd(a);
+#else
+  return (v4d){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
+#endif
+}
+
+static inline bool v4l_any(v4l mask) {
+#ifdef __AVX2__
+  return _mm256_movemask_pd((v4d)mask) != 0;
+#else
+  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+#endif
+}
+
+/* The four doubles at each of four places, as four vectors: first of all, second of all … */
+static inline void four_halves(const double *p0, const double *p1, const double *p2,
+                               const double *p3, v4d *a, v4d *b, v4d *c, v4d *d) {
+  const v4d r0 = *(const v4d *)p0, r1 = *(const v4d *)p1;
+  const v4d r2 = *(const v4d *)p2, r3 = *(const v4d *)p3;
+  const v4d even01 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6);
+  const v4d odd01 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
+  const v4d even23 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6);
+  const v4d odd23 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
+  *a = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
+  *b = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
+  *c = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
+  *d = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
+}
+
+/* --- periodic images -------------------------------------------------------------------------- */
+
+/* Rounds to the nearest integer, for |x| < 2^51; the same in scalars and vectors. */
+#define NEAREST_MAGIC 6755399441055744.0
+
+static inline double image_shift(double d, double period) {
+  if (period == 0.0) return 0.0;
+  return period * ((d / period + NEAREST_MAGIC) - NEAREST_MAGIC);
+}
+
+static inline v4d image_shift_four(v4d d, double period) {
+  if (period == 0.0) return v4d_all(0.0);
+  return period * ((d / period + NEAREST_MAGIC) - NEAREST_MAGIC);
+}
+
+static inline double wrap(double x, double low, double period) {
+  return period > 0.0 ? x - period * floor((x - low) / period) : x;
+}
+
+/* --- bookkeeping ------------------------------------------------------------------------------ */
+
+static inline struct em_vec centre(const struct em_body *b) {
+  return (struct em_vec){b->x, b->y, b->z};
+}
+
+static inline double absolute(const struct em_world *w, double t) {
+  return (double)w->epoch * w->epoch_length + t;
+}
+
+static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32_t streak) {
+  struct em_trace *trace = &w->trace[i];
+  trace->counter++;
+  trace->last = partner;
+  trace->streak = streak;
+}
+
+/* The bin of em_tally.vn, from the leading bits of the number itself. */
+static inline uint32_t vn_bin(double vn) {
+  int64_t bits;
+  memcpy(&bits, &vn, sizeof bits);
+  const int64_t bin = (bits >> 46) - ((int64_t)(EM_TALLY_LOWEST + 1023) << 6);
+  return bin < 0 ? 0 : bin >= EM_TALLY_BINS ? EM_TALLY_BINS - 1 : (uint32_t)bin;
+}
+
+static inline void note(struct em_world *w, enum em_class cls, double m, double vn, double lost) {
+  w->tally.collisions[cls]++;
+  w->tally.lost[cls] += lost;
+  w->tally.collision_energy[cls] += 0.5 * m * vn * vn;
+  w->tally.vn[cls][vn_bin(vn)]++;
+}
+
+static inline void note_blade(struct em_world *w, uint32_t code, struct em_vec place,
+                              struct em_vec impulse, double work) {
+  const uint32_t k = code - EM_SURFACE - EM_WALLS;
+  const struct em_blade *blade = &w->blade[k].blade;
+  const struct em_vec arm = em_vec_sub(place, blade->centre);
+  w->blade_tally[k].work += work;
+  w->blade_tally[k].angular_impulse += em_vec_dot(em_vec_cross(arm, impulse), blade->axis);
+  w->blade_tally[k].contacts++;
+}
+
+static inline void tell(const struct em_world *w, const struct em_contact *contact) {
+  for (size_t k = 0; k < w->observers; k++)
+    if (w->observer[k].contact) w->observer[k].contact(w->observer[k].self, contact);
+}
+
+/* Lower bound of the gap (m) between a ball and a blade as it stood at turning.at, not too far from
+ * the time t; a contact needs the ball within the bar's length, whatever its tip. */
+static inline double turning_gap(struct em_turning *b, struct em_vec r, double radius, double t) {
+  if (b->swing * fabs(t - b->at) > 0.25 * radius) {
+    b->at = t;
+    b->cos = cos(b->blade.angle + b->blade.omega * t);
+    b->sin = sin(b->blade.angle + b->blade.omega * t);
+  }
+  const struct em_vec q = em_vec_sub(r, b->blade.centre);
+  const double q1 = em_vec_dot(q, b->blade.e1), q3 = em_vec_dot(q, b->e3);
+  const double axial = em_vec_dot(q, b->blade.axis);
+  const double along = q1 * b->cos + q3 * b->sin, off = q3 * b->cos - q1 * b->sin;
+  const double side = sqrt(off * off + axial * axial) - b->blade.radius;
+  return (fmax(fabs(along) - b->blade.reach, side) - radius) - 1e-9 * b->hull;
+}
+
+/* --- order ------------------------------------------------------------------------------------ */
+
+/* Is the event of ball i at t a contact that holds? Else it leaves its place, or is stale. */
+static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
+  if (w->leave[i] <= t) return false;
+  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  return p->partner >= EM_SURFACE || w->trace[p->partner].counter == p->counter;
+}
+
+/* Contacts at one and the same time go by class, then by index. */
+static inline bool goes_before(uint32_t a, uint32_t with_a, uint32_t b, uint32_t with_b) {
+  const bool sa = with_a >= EM_SURFACE, sb = with_b >= EM_SURFACE;
+  if (sa != sb) return sb;
+  if (sa) return with_a != with_b ? with_a < with_b : a < b;
+  const uint32_t la = a < with_a ? a : with_a, ha = a < with_a ? with_a : a;
+  const uint32_t lb = b < with_b ? b : with_b, hb = b < with_b ? with_b : b;
+  return la != lb ? la < lb : ha < hb;
+}
+
+/* Which of the balls whose events share the time t goes next: one whose event only updates lists,
+ * else the first contact in the fixed order. */
+static inline uint32_t untie(struct em_world *w, uint32_t first, double t) {
+  const size_t n = w->queue_kind->tied(w->queue, w->tied, w->count);
+  if (n < 2) return first;
+  uint32_t next = EM_NOBODY, with = EM_NOBODY;
+  for (size_t k = 0; k < n; k++) {
+    const uint32_t i = w->tied[k];
+    if (!is_real(w, i, t)) return i;
+    const uint32_t partner = w->local_kind->first(w->local, i)->partner;
+    if (next == EM_NOBODY || goes_before(i, partner, next, with)) {
+      next = i;
+      with = partner;
+    }
+  }
+  return next;
+}
+
+static inline enum em_status collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
+                                       double t, struct em_error *err) {
+  return em_world_collapsed(w, i, partner, absolute(w, t), err);
+}
+
+static inline enum em_status no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
+}
+
+#endif

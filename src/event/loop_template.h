@@ -1,0 +1,506 @@
+/* The event loop, a template: loop.c and loop_avx2.c include it once per set of effects.
+ * Before each inclusion LOOP is the suffix of its functions and LOOP_FLAGS the set of EM_LOOP_*;
+ * what a set does not name is not compiled into it. */
+
+#define FN_JOIN(name, suffix) name##_##suffix
+#define FN_MAKE(name, suffix) FN_JOIN(name, suffix)
+#define FN(name) FN_MAKE(name, LOOP)
+#define WITH(effect) ((LOOP_FLAGS & EM_LOOP_##effect) != 0)
+
+/* --- prediction of pairs ---------------------------------------------------------------------- */
+
+/* When balls i and j touch, from their states at the later of their last real events. `now` only
+ * chooses the periodic image. The pair that has just collided is left out. */
+static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
+  const struct em_body *a = &w->body[i], *b = &w->body[j];
+  const double tr = b->t > a->t ? b->t : a->t;
+  const double da = tr - a->t, db = tr - b->t;
+  double xa = a->x + a->vx * da, ya = a->y + a->vy * da, za = a->z + a->vz * da;
+  double xb = b->x + b->vx * db, yb = b->y + b->vy * db, zb = b->z + b->vz * db;
+  double ua = a->vx, va = a->vy, wa = a->vz, ub = b->vx, vb = b->vy, wb = b->vz;
+  if (WITH(GRAVITY)) {
+    const struct em_vec g = w->gravity;
+    const double ha = 0.5 * da * da, hb = 0.5 * db * db;
+    xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+    xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
+    ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+    ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
+  }
+  double dx = xb - xa, dy = yb - ya, dz = zb - za;
+  const double du = ub - ua, dv = vb - va, dw = wb - wa;
+  if (WITH(PERIODIC)) {
+    const double ahead = now - tr;
+    dx = dx - image_shift(dx + du * ahead, w->period.x);
+    dy = dy - image_shift(dy + dv * ahead, w->period.y);
+    dz = dz - image_shift(dz + dw * ahead, w->period.z);
+  }
+  (void)now;
+  const double p = (dx * du + dy * dv) + dz * dw;
+  if (!(p < 0.0)) return INFINITY;
+  const double sigma = b->radius + a->radius;
+  const double c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+  if (w->trace[i].last == j && w->trace[j].last == i && a->t == b->t && c < 1e-3 * sigma * sigma)
+    return INFINITY;
+  if (c <= 0.0) return tr;
+  const double disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+  if (disc < 0.0) return INFINITY;
+  return tr + c / (sqrt(disc) - p);
+}
+
+/* The earliest of n candidates of ball i, one after the other. */
+static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, const uint32_t *id,
+                                         uint32_t n, double now) {
+  struct em_prediction best = {INFINITY, EM_NOBODY, 0};
+  for (uint32_t k = 0; k < n; k++) {
+    const double t = FN(pair)(w, i, id[k], now);
+    if (t < best.time || (t == best.time && id[k] < best.partner))
+      best = (struct em_prediction){t, id[k], 0};
+  }
+  return best;
+}
+
+/* The same four at a time, to the same bits. */
+static struct em_prediction FN(first_of_four)(const struct em_world *w, uint32_t i,
+                                              const uint32_t *id, uint32_t n, double now) {
+  const struct em_body *body = w->body, *a = &body[i];
+  const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
+  v4d best = v4d_all(INFINITY);
+  v4l who = v4l_all(EM_NOBODY);
+  for (uint32_t k = 0; k < n; k += 4) {
+    uint32_t j[4] = {i, i, i, i};
+    memcpy(j, id + k, (n - k < 4 ? n - k : 4) * sizeof *j);
+    v4d x, y, z, u, v, m, t, r;
+    four_halves(&body[j[0]].x, &body[j[1]].x, &body[j[2]].x, &body[j[3]].x, &x, &y, &z, &u);
+    four_halves(&body[j[0]].vy, &body[j[1]].vy, &body[j[2]].vy, &body[j[3]].vy, &v, &m, &t, &r);
+    const v4d tr = v4d_choose(t > at, t, at);
+    const v4d da = tr - at, db = tr - t;
+    v4d xa = a->x + a->vx * da, ya = a->y + a->vy * da, za = a->z + a->vz * da;
+    v4d xb = x + u * db, yb = y + v * db, zb = z + m * db;
+    v4d ua = v4d_all(a->vx), va = v4d_all(a->vy), wa = v4d_all(a->vz);
+    if (WITH(GRAVITY)) {
+      const struct em_vec g = w->gravity;
+      const v4d ha = 0.5 * da * da, hb = 0.5 * db * db;
+      xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+      xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
+      ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+      u = u + g.x * db, v = v + g.y * db, m = m + g.z * db;
+    }
+    v4d dx = xb - xa, dy = yb - ya, dz = zb - za;
+    const v4d du = u - ua, dv = v - va, dw = m - wa;
+    if (WITH(PERIODIC)) {
+      const v4d ahead = now - tr;
+      dx = dx - image_shift_four(dx + du * ahead, w->period.x);
+      dy = dy - image_shift_four(dy + dv * ahead, w->period.y);
+      dz = dz - image_shift_four(dz + dw * ahead, w->period.z);
+    }
+    const v4d p = (dx * du + dy * dv) + dz * dw;
+    const v4d sigma = r + a->radius;
+    const v4d c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+    const v4d disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+    const v4l hit = (p < zero) & ((c <= zero) | (disc >= zero));
+    if (!v4l_any(hit)) continue;
+    const v4d root = c / (v4d_sqrt(v4d_choose(disc > zero, disc, zero)) - p);
+    const v4d time = v4d_choose(hit, tr + v4d_choose(c <= zero, zero, root), v4d_all(INFINITY));
+    const v4l other = {j[0], j[1], j[2], j[3]};
+    const v4l sooner = (time < best) | ((time == best) & (other < who));
+    best = v4d_choose(sooner, time, best);
+    who = v4l_choose(sooner, other, who);
+  }
+  struct em_prediction first = {best[0], (uint32_t)who[0], 0};
+  for (int k = 1; k < 4; k++)
+    if (best[k] < first.time || (best[k] == first.time && (uint32_t)who[k] < first.partner))
+      first = (struct em_prediction){best[k], (uint32_t)who[k], 0};
+  if (first.partner == w->trace[i].last && first.time < INFINITY)
+    return FN(first_of)(w, i, id, n, now);
+  return first;
+}
+
+/* Predicts the contacts of ball i with n candidates. */
+static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
+                              double now) {
+  w->tally.candidates += n;
+  if (!w->local_kind->keeps_all) {
+    struct em_prediction p = w->scene->engine.simd ? FN(first_of_four)(w, i, id, n, now)
+                                                   : FN(first_of)(w, i, id, n, now);
+    if (p.time == INFINITY) return true;
+    p.counter = w->trace[p.partner].counter;
+    return w->local_kind->add(w->local, i, &p);
+  }
+  for (uint32_t k = 0; k < n; k++) {
+    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->trace[id[k]].counter};
+    if (p.time < INFINITY && !w->local_kind->add(w->local, i, &p)) return false;
+  }
+  return true;
+}
+
+/* --- prediction of surfaces ------------------------------------------------------------------- */
+
+static double FN(until)(const struct em_world *w, uint32_t i) {
+  const double leave = w->leave[i];
+  if (w->local_kind->keeps_all) return leave;
+  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  return p && p->time < leave ? p->time : leave;
+}
+
+static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
+  const struct em_prediction p = {w->body[i].t + dt, code, 0};
+  return dt == INFINITY || w->local_kind->add(w->local, i, &p);
+}
+
+/* Without gravity a path is a chord, so that both its ends inside mean all inside; gravity bends it
+ * by less than ½ g h². */
+static bool FN(predict_drum)(struct em_world *w, uint32_t i, double h) {
+  const struct em_body *b = &w->body[i];
+  const double rho = w->rho - b->radius;
+  const double sure = WITH(GRAVITY) ? rho - 0.5 * w->fall * h * h : rho;
+  const double qx = b->x + b->vx * h, qz = b->z + b->vz * h, s2 = sure * sure;
+  if (sure > 0.0 && b->x * b->x + b->z * b->z < s2 && qx * qx + qz * qz < s2) return true;
+  const uint32_t code = EM_SURFACE + EM_WALL_DRUM;
+  const double gx = WITH(GRAVITY) ? w->gravity.x : 0.0, gz = WITH(GRAVITY) ? w->gravity.z : 0.0;
+  const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, rho,
+                                    w->trace[i].last == code, w->scene->engine.quartic, h);
+  return FN(enter_surface)(w, i, code, dt);
+}
+
+static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, double gap,
+                              double rate, double fall, double h) {
+  if (gap > 0.0 && gap + rate * h - (WITH(GRAVITY) ? 0.5 * fabs(fall) * h * h : 0.0) > 0.0)
+    return true;
+  const uint32_t code = EM_SURFACE + wall;
+  const double dt =
+      em_surface_plane(gap, rate, WITH(GRAVITY) ? fall : 0.0, w->trace[i].last == code);
+  return dt > h || FN(enter_surface)(w, i, code, dt);
+}
+
+/* Both walls across one axis. */
+static bool FN(predict_walls)(struct em_world *w, uint32_t i, uint32_t axis, double x, double v,
+                              double g, double low, double high, double h) {
+  const double r = w->body[i].radius;
+  return (!w->wall[2 * axis] || FN(predict_plane)(w, i, 2 * axis, x - low - r, v, g, h)) &&
+         (!w->wall[2 * axis + 1] ||
+          FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
+}
+
+/* A blade is searched only when the ball and it could close their gap by then. */
+static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double h) {
+  const struct em_body *b = &w->body[i];
+  struct em_turning *turning = &w->blade[k];
+  const struct em_vec r = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
+  const double speed = em_vec_norm(v) + (WITH(GRAVITY) ? w->fall * h : 0.0);
+  const double gap = turning_gap(turning, r, b->radius, b->t);
+  if (gap > speed * h + turning->swing * (fabs(b->t - turning->at) + h)) return true;
+  const uint32_t code = EM_SURFACE_BLADE(k);
+  const struct em_vec g = WITH(GRAVITY) ? w->gravity : (struct em_vec){0, 0, 0};
+  unsigned steps = 0;
+  const double dt = em_surface_blade(&turning->blade, r, v, g, b->radius,
+                                     turning->blade.angle + turning->blade.omega * b->t,
+                                     w->trace[i].last == code, h, &steps);
+  w->tally.blade_searches++;
+  w->tally.blade_steps += steps;
+  return FN(enter_surface)(w, i, code, dt);
+}
+
+/* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
+ * place or meets another ball. */
+static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
+  const struct em_body *b = &w->body[i];
+  double h = FN(until)(w, i) - b->t;
+  if (w->drum) {
+    if (!FN(predict_drum)(w, i, h)) return false;
+  } else if (w->walls) {
+    if (!FN(predict_walls)(w, i, 0, b->x, b->vx, w->gravity.x, w->low.x, w->high.x, h) ||
+        !FN(predict_walls)(w, i, 2, b->z, b->vz, w->gravity.z, w->low.z, w->high.z, h))
+      return false;
+  }
+  if (w->walls &&
+      !FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h))
+    return false;
+  if (WITH(ROTOR)) {
+    uint32_t mask = w->partition_kind->blades(w, i);
+    if (mask) h = FN(until)(w, i) - b->t;
+    for (uint32_t k = 0; mask && k < w->blade_count; k++) {
+      if (mask & (1u << (k < 31 ? k : 31)) && !FN(predict_blade)(w, i, k, h)) return false;
+      if (k < 31) mask &= ~(1u << k);
+    }
+  }
+  return true;
+}
+
+static void FN(schedule)(struct em_world *w, uint32_t i) {
+  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  const double t = p && p->time < w->leave[i] ? p->time : w->leave[i];
+  w->queue_kind->set(w->queue, i, t);
+}
+
+/* Predicts all events of ball i anew. */
+static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
+  uint32_t n;
+  const uint32_t *id = w->partition_kind->candidates(w, i, &n);
+  w->tally.predictions++;
+  w->local_kind->clear(w->local, i);
+  if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
+  FN(schedule)(w, i);
+  return true;
+}
+
+static bool FN(predict_all)(struct em_world *w) {
+  w->queue_kind->clear(w->queue, w->clock);
+  for (uint32_t i = 0; i < w->count; i++)
+    if (!FN(predict)(w, i, w->clock)) return false;
+  return true;
+}
+
+/* --- contacts --------------------------------------------------------------------------------- */
+
+/* Counts contacts in a row. */
+static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {
+  return t - w->body[i].t <= w->within ? w->trace[i].streak + 1 : 0;
+}
+
+static void FN(advance)(struct em_world *w, uint32_t i, double t) {
+  struct em_body *b = &w->body[i];
+  const double dt = t - b->t;
+  b->x = b->x + b->vx * dt, b->y = b->y + b->vy * dt, b->z = b->z + b->vz * dt;
+  if (WITH(GRAVITY)) {
+    const double h = 0.5 * dt * dt;
+    b->x = b->x + w->gravity.x * h, b->y = b->y + w->gravity.y * h, b->z = b->z + w->gravity.z * h;
+    b->vx = b->vx + w->gravity.x * dt;
+    b->vy = b->vy + w->gravity.y * dt;
+    b->vz = b->vz + w->gravity.z * dt;
+  }
+  if (WITH(PERIODIC)) {
+    b->x = wrap(b->x, w->low.x, w->period.x);
+    b->y = wrap(b->y, w->low.y, w->period.y);
+    b->z = wrap(b->z, w->low.z, w->period.z);
+  }
+  b->t = t;
+}
+
+static void FN(push)(struct em_world *w, uint32_t i, double per_mass, struct em_vec impulse) {
+  struct em_body *b = &w->body[i];
+  b->vx = b->vx + per_mass * impulse.x;
+  b->vy = b->vy + per_mass * impulse.y;
+  b->vz = b->vz + per_mass * impulse.z;
+}
+
+/* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
+static double FN(spin_up)(struct em_world *w, uint32_t i, double m, const struct em_contact_law *law,
+                          struct em_vec twist) {
+  const double r = w->body[i].radius;
+  const struct em_vec d = em_vec_scale(em_contact_spin_factor(law->rule, m, r), twist);
+  const struct em_vec old = w->spin[i];
+  w->spin[i] = em_vec_add(old, d);
+  return 0.5 * (0.4 * m * r * r) * em_vec_dot(d, em_vec_add(old, w->spin[i]));
+}
+
+/* Which remedies act on a contact with approach speed vn, when the balls' last was `since` ago. */
+static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double since, double vn) {
+  struct remedy act = {false, false};
+  if (!WITH(EXTRA)) return act;
+  const struct em_remedy *r = &w->scene->remedy;
+  if (r->jam_after > 0 && streak >= (uint32_t)r->jam_after) {
+    act.frictionless = true;
+    w->tally.jam++;
+  }
+  if (since < r->tc) {
+    act.elastic = true;
+    w->tally.tc++;
+  }
+  if (vn < r->elastic_below) {
+    act.elastic = true;
+    w->tally.elastic++;
+  }
+  return act;
+}
+
+static double FN(since)(const struct em_world *w, uint32_t i, double t) {
+  return w->trace[i].last == EM_NOBODY ? INFINITY : t - w->body[i].t;
+}
+
+static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t j, double t,
+                                       struct em_error *err) {
+  if (j < i) {
+    const uint32_t swap = i;
+    i = j, j = swap;
+  }
+  const uint32_t si = FN(streak)(w, i, t), sj = FN(streak)(w, j, t);
+  if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
+    return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
+  double since = INFINITY;
+  if (WITH(EXTRA)) since = fmin(FN(since)(w, i, t), FN(since)(w, j, t));
+  FN(advance)(w, i, t);
+  FN(advance)(w, j, t);
+  const struct em_body *a = &w->body[i], *b = &w->body[j];
+  struct em_vec d = {a->x - b->x, a->y - b->y, a->z - b->z};
+  if (WITH(PERIODIC)) {
+    d.x = d.x - image_shift(d.x, w->period.x);
+    d.y = d.y - image_shift(d.y, w->period.y);
+    d.z = d.z - image_shift(d.z, w->period.z);
+  }
+  const struct em_vec e = em_vec_scale(1.0 / em_vec_norm(d), d);
+  const struct em_vec u = {a->vx - b->vx, a->vy - b->vy, a->vz - b->vz};
+  struct em_vec g = u;
+  if (WITH(SPIN))
+    g = em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
+                                                 em_vec_scale(b->radius, w->spin[j]))));
+  const double mi = w->mass ? w->mass[i] : w->mass0, mj = w->mass ? w->mass[j] : w->mass0;
+  const double meff = mi * mj / (mi + mj);
+  const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));
+  const struct em_contact_law *law = &w->scene->contact[EM_CLASS_BALL];
+  const struct em_impulse p =
+      em_contact_impulse(law, meff, e, g, act.frictionless, act.elastic);
+  const struct em_vec sum = em_vec_add(p.normal, p.tangential);
+  double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
+  FN(push)(w, i, 1.0 / mi, sum);
+  FN(push)(w, j, -1.0 / mj, sum);
+  if (WITH(SPIN)) {
+    const struct em_vec twist = em_vec_cross(e, p.tangential);
+    gain += FN(spin_up)(w, i, mi, law, twist);
+    gain += FN(spin_up)(w, j, mj, law, twist);
+  }
+  mark(w, i, j, si);
+  mark(w, j, i, sj);
+  note(w, EM_CLASS_BALL, meff, p.vn, -gain);
+  if (w->observers) {
+    const struct em_contact c = {.time = absolute(w, t), .cls = EM_CLASS_BALL, .ball = i,
+                                 .partner = j, .place = em_vec_axpy(centre(a), -a->radius, e),
+                                 .normal = e, .vn = p.vn, .vt = p.vt, .lost = -gain, .work = 0.0};
+    tell(w, &c);
+  }
+  return EM_OK;
+}
+
+/* Outward normal of the faked ramps (Reichardt 20.1.1): near the top and the bottom the drum's
+ * normal is turned against the ball's motion along x. */
+static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_body *b) {
+  const double rho = sqrt(b->x * b->x + b->z * b->z);
+  struct em_vec e = {-b->x / rho, 0.0, -b->z / rho};
+  if (WITH(EXTRA) && w->scene->chamber.ramp_tilt != 0.0 &&
+      fabs(e.z) > cos(w->scene->chamber.ramp_half)) {
+    const double side = (b->vx > 0.0) == (e.z > 0.0) ? -1.0 : 1.0;
+    const double s = side * sin(w->scene->chamber.ramp_tilt), c = cos(w->scene->chamber.ramp_tilt);
+    e = (struct em_vec){c * e.x + s * e.z, 0.0, c * e.z - s * e.x};
+  }
+  return e;
+}
+
+/* Class, normal and velocity of the surface `code` where ball i touches it. */
+static enum em_class FN(meet_surface)(const struct em_world *w, uint32_t i, uint32_t code, double t,
+                                      struct em_vec *e, struct em_vec *surface) {
+  const struct em_body *b = &w->body[i];
+  const uint32_t wall = code - EM_SURFACE;
+  *surface = (struct em_vec){0.0, 0.0, 0.0};
+  if (WITH(ROTOR) && wall >= EM_WALLS) {
+    const struct em_blade *blade = &w->blade[wall - EM_WALLS].blade;
+    *e = em_surface_blade_normal(blade, centre(b), blade->angle + blade->omega * t);
+    *surface = em_surface_blade_velocity(blade, em_vec_axpy(centre(b), -b->radius, *e));
+    return EM_CLASS_BLADE;
+  }
+  if (wall == EM_WALL_DRUM) {
+    *e = FN(drum_normal)(w, b);
+  } else {
+    const double sign = wall & 1 ? -1.0 : 1.0;
+    *e = (struct em_vec){wall / 2 == 0 ? sign : 0.0, wall / 2 == 1 ? sign : 0.0,
+                         wall / 2 == 2 ? sign : 0.0};
+  }
+  if (WITH(EXTRA) && w->drum_omega != 0.0) {
+    const struct em_vec x = em_vec_axpy(centre(b), -b->radius, *e);
+    *surface = (struct em_vec){w->drum_omega * x.z, 0.0, -w->drum_omega * x.x};
+  }
+  return wall / 2 == 1 ? EM_CLASS_END : EM_CLASS_DRUM;
+}
+
+static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32_t code, double t,
+                                          struct em_error *err) {
+  const uint32_t si = FN(streak)(w, i, t);
+  if (si >= w->scene->remedy.collapse_after) return collapsed(w, i, code, t, err);
+  const double since = WITH(EXTRA) ? FN(since)(w, i, t) : INFINITY;
+  FN(advance)(w, i, t);
+  const struct em_body *b = &w->body[i];
+  struct em_vec e, surface;
+  const enum em_class cls = FN(meet_surface)(w, i, code, t, &e, &surface);
+  const struct em_vec v = {b->vx, b->vy, b->vz};
+  struct em_vec g = em_vec_sub(v, surface);
+  if (WITH(SPIN)) g = em_vec_add(g, em_vec_scale(b->radius, em_vec_cross(e, w->spin[i])));
+  const double m = w->mass ? w->mass[i] : w->mass0;
+  const struct remedy act = FN(remedy)(w, si, since, -em_vec_dot(g, e));
+  const struct em_contact_law *law = &w->scene->contact[cls];
+  const struct em_impulse p = em_contact_impulse(law, m, e, g, act.frictionless, act.elastic);
+  const struct em_vec sum = em_vec_add(p.normal, p.tangential);
+  double gain = em_vec_dot(sum, v) + 0.5 * em_vec_norm2(sum) / m;
+  const double work = em_vec_dot(sum, surface);
+  FN(push)(w, i, 1.0 / m, sum);
+  if (WITH(SPIN)) gain += FN(spin_up)(w, i, m, law, em_vec_cross(e, p.tangential));
+  mark(w, i, code, si);
+  note(w, cls, m, p.vn, work - gain);
+  const struct em_vec place = em_vec_axpy(centre(b), -b->radius, e);
+  if (WITH(ROTOR) && cls == EM_CLASS_BLADE) note_blade(w, code, place, sum, work);
+  if (WITH(EXTRA) && cls != EM_CLASS_BLADE) w->tally.drum_work += work;
+  if (w->observers) {
+    const uint32_t wall = code - EM_SURFACE;
+    const struct em_contact c = {.time = absolute(w, t), .cls = cls, .ball = i,
+                                 .partner = cls == EM_CLASS_BLADE ? wall - EM_WALLS : wall,
+                                 .place = place, .normal = e, .vn = p.vn, .vt = p.vt,
+                                 .lost = work - gain, .work = work};
+    tell(w, &c);
+  }
+  return EM_OK;
+}
+
+/* --- the loop --------------------------------------------------------------------------------- */
+
+/* Ball i has reached the end of its place. */
+static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
+  uint32_t n;
+  const uint32_t *id = w->partition_kind->cross(w, i, now, &n);
+  w->tally.transfers++;
+  if (!id && n) return false;
+  if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
+  FN(schedule)(w, i);
+  return true;
+}
+
+/* Takes a stale prediction of ball i out. */
+static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
+  w->tally.stale++;
+  if (!w->local_kind->keeps_all) return FN(predict)(w, i, now);
+  w->local_kind->pop(w->local, i);
+  FN(schedule)(w, i);
+  return true;
+}
+
+static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
+                              const volatile sig_atomic_t *stop, struct em_error *err) {
+  uint64_t turns = 0;
+  while (*left > 0) {
+    double t;
+    uint32_t i = w->queue_kind->first(w->queue, &t);
+    if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
+    if (stop && (++turns & 255) == 0 && *stop)
+      return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
+    i = untie(w, i, t);
+    if (!is_real(w, i, t)) {
+      if (w->leave[i] <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
+      continue;
+    }
+    const uint32_t partner = w->local_kind->first(w->local, i)->partner;
+    const bool pair = partner < EM_SURFACE;
+    const double at = t > w->clock ? t : w->clock;
+    const enum em_status status = pair ? FN(collide_pair)(w, i, partner, at, err)
+                                       : FN(collide_surface)(w, i, partner, at, err);
+    if (status) return status;
+    w->clock = at;
+    --*left;
+    w->partition_kind->moved(w, i);
+    if (pair) w->partition_kind->moved(w, partner);
+    if (!FN(predict)(w, i, at) || (pair && !FN(predict)(w, partner, at))) return no_memory(err);
+  }
+  return EM_OK;
+}
+
+#undef FN_JOIN
+#undef FN_MAKE
+#undef FN
+#undef WITH
+#undef LOOP
+#undef LOOP_FLAGS

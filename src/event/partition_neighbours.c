@@ -1,0 +1,495 @@
+/* Near-neighbour lists: each ball lives in a sphere of its own (its shell) until it leaves it, and
+ * its list holds all balls whose shells come so near that the balls could touch. Shells are placed
+ * ahead of the moving ball, and their size adapts to how crowded the place is. Cells serve only to
+ * find the shells around a new one. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "event/partition.h"
+
+enum {
+  CELL_STEP = 8,    /* a cell's room grows in steps of this many shells */
+  LIST_LEAST = 16,  /* a list's room is at least this, doubled when full */
+  LIST_CLASSES = 28 /* rooms up to LIST_LEAST << 27 */
+};
+
+/* The sphere in which a ball stays until world.leave. Single precision: the centre is what it says,
+ * exactly; `slack` covers the rounding of distances. */
+struct shell {
+  float x, y, z;
+  float skin; /* m: room for the ball's centre */
+};
+
+struct list {
+  uint32_t at; /* first entry in the pool */
+  uint32_t count, room;
+};
+
+struct em_places {
+  uint32_t count;
+  struct shell *shell;
+  struct list *list;
+  uint32_t *cell; /* of each ball */
+  uint32_t *mark; /* stamps of the last search */
+  uint32_t stamp;
+  uint32_t *blades; /* NULL without blades */
+
+  uint32_t *pool; /* of all lists */
+  size_t pool_used, pool_room;
+  uint32_t *spare[LIST_CLASSES]; /* freed pieces by size: positions in the pool */
+  size_t spare_count[LIST_CLASSES], spare_room[LIST_CLASSES];
+
+  uint32_t *fresh; /* result of a crossing */
+  size_t fresh_room;
+
+  int n[3];        /* cells */
+  double edge[3];  /* m */
+  struct em_vec low;
+  uint32_t room;   /* shells per cell, a multiple of CELL_STEP */
+  uint32_t *held;  /* shells in each cell */
+  float *entry;    /* per cell: x[room], y[room], z[room], hull[room] */
+  uint32_t *id;    /* per cell: id[room] */
+
+  float period[3];
+  float slack;
+  double skin_least, skin_most, ahead;
+  uint32_t few, many; /* neighbours; beyond them the skin adapts */
+};
+
+static size_t cells(const struct em_places *p) {
+  return (size_t)p->n[0] * (size_t)p->n[1] * (size_t)p->n[2];
+}
+
+static bool grow(void **array, size_t size, size_t *room, size_t wanted) {
+  size_t more = *room ? *room : 64;
+  while (more < wanted) more *= 2;
+  void *p = realloc(*array, more * size);
+  if (!p) return false;
+  *array = p;
+  *room = more;
+  return true;
+}
+
+/* --- lists ------------------------------------------------------------------------------------ */
+
+static unsigned class_of(uint32_t room) {
+  unsigned k = 0;
+  while (((uint32_t)LIST_LEAST << k) < room) k++;
+  return k;
+}
+
+static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
+  const unsigned k = class_of(room);
+  if (p->spare_count[k]) {
+    *at = p->spare[k][--p->spare_count[k]];
+    return true;
+  }
+  if (p->pool_used + room > p->pool_room &&
+      !grow((void **)&p->pool, sizeof *p->pool, &p->pool_room, p->pool_used + room))
+    return false;
+  *at = (uint32_t)p->pool_used;
+  p->pool_used += room;
+  return true;
+}
+
+static bool list_widen(struct em_places *p, struct list *l) {
+  const unsigned k = class_of(l->room);
+  uint32_t at;
+  if (!list_take(p, 2 * l->room, &at)) return false;
+  memcpy(p->pool + at, p->pool + l->at, l->count * sizeof *p->pool);
+  if (p->spare_count[k] == p->spare_room[k] &&
+      !grow((void **)&p->spare[k], sizeof **p->spare, &p->spare_room[k], p->spare_count[k] + 1))
+    return false;
+  p->spare[k][p->spare_count[k]++] = l->at;
+  l->at = at;
+  l->room *= 2;
+  return true;
+}
+
+static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
+  struct list *l = &p->list[i];
+  if (l->count == l->room && !list_widen(p, l)) return false;
+  p->pool[l->at + l->count++] = j;
+  return true;
+}
+
+static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
+  struct list *l = &p->list[i];
+  uint32_t *e = p->pool + l->at;
+  uint32_t k = 0;
+  while (e[k] != j) k++;
+  e[k] = e[--l->count];
+}
+
+/* --- cells ------------------------------------------------------------------------------------ */
+
+static int cell_along(const struct em_places *p, int axis, double x) {
+  const int n = p->n[axis], k = (int)floor(x / p->edge[axis]);
+  return k < 0 ? 0 : k >= n ? n - 1 : k;
+}
+
+static uint32_t cell_of(const struct em_places *p, const struct shell *s) {
+  const int a = cell_along(p, 0, (double)s->x - p->low.x);
+  const int b = cell_along(p, 1, (double)s->y - p->low.y);
+  const int c = cell_along(p, 2, (double)s->z - p->low.z);
+  return (uint32_t)(a + p->n[0] * (b + p->n[1] * c));
+}
+
+/* Doubles the room of every cell. */
+static bool cells_widen(struct em_places *p) {
+  const uint32_t old = p->room, room = old ? 2 * old : CELL_STEP;
+  const size_t n = cells(p);
+  float *entry = em_body_array(n * 4 * room, sizeof *entry);
+  uint32_t *id = em_body_array(n * room, sizeof *id);
+  if (!entry || !id) {
+    free(entry);
+    free(id);
+    return false;
+  }
+  for (size_t c = 0; old && c < n; c++) {
+    for (size_t k = 0; k < 4; k++)
+      memcpy(entry + (c * 4 + k) * room, p->entry + (c * 4 + k) * old, old * sizeof *entry);
+    memcpy(id + c * room, p->id + c * old, old * sizeof *id);
+  }
+  free(p->entry);
+  free(p->id);
+  p->entry = entry;
+  p->id = id;
+  p->room = room;
+  return true;
+}
+
+static float hull_of(const struct em_world *w, const struct em_places *p, uint32_t i) {
+  return p->shell[i].skin + (float)w->body[i].radius;
+}
+
+static bool cell_enter(struct em_world *w, struct em_places *p, uint32_t i) {
+  const uint32_t c = cell_of(p, &p->shell[i]);
+  if (p->held[c] == p->room && !cells_widen(p)) return false;
+  const uint32_t k = p->held[c]++, room = p->room;
+  float *e = p->entry + (size_t)c * 4 * room;
+  e[k] = p->shell[i].x;
+  e[room + k] = p->shell[i].y;
+  e[2 * room + k] = p->shell[i].z;
+  e[3 * room + k] = hull_of(w, p, i);
+  p->id[(size_t)c * room + k] = i;
+  p->cell[i] = c;
+  return true;
+}
+
+static void cell_quit(struct em_places *p, uint32_t i) {
+  const uint32_t c = p->cell[i], room = p->room, last = --p->held[c];
+  float *e = p->entry + (size_t)c * 4 * room;
+  uint32_t *id = p->id + (size_t)c * room, k = 0;
+  while (id[k] != i) k++;
+  for (uint32_t f = 0; f < 4; f++) e[f * room + k] = e[f * room + last];
+  id[k] = id[last];
+}
+
+/* --- shells ----------------------------------------------------------------------------------- */
+
+static double wrapped(double x, double low, double period) {
+  return period > 0.0 ? x - period * floor((x - low) / period) : x;
+}
+
+/* Places the shell of ball i at time `now`, ahead of it in its direction. */
+static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, double now) {
+  const struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
+  const double speed2 = em_vec_norm2(v);
+  struct shell *s = &p->shell[i];
+  const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
+  const struct em_vec c = em_vec_axpy(x, ahead, v);
+  s->x = (float)wrapped(c.x, w->low.x, w->period.x);
+  s->y = (float)wrapped(c.y, w->low.y, w->period.y);
+  s->z = (float)wrapped(c.z, w->low.z, w->period.z);
+  const struct em_vec centre = {(double)s->x, (double)s->y, (double)s->z};
+  w->leave[i] = em_partition_stay(w, i, now, centre, (double)s->skin);
+  if (p->blades) p->blades[i] = em_partition_blades(w, centre, w->body[i].radius, (double)s->skin);
+}
+
+/* Cells to search along one axis: first and number, from a centre and a reach. */
+static int span(const struct em_places *p, int axis, double x, double reach, int *first) {
+  const int n = p->n[axis];
+  const double e = p->edge[axis];
+  int a = (int)floor((x - reach) / e), b = (int)floor((x + reach) / e);
+  if (p->period[axis] > 0.0f) {
+    if (b - a >= n) {
+      a = 0;
+      b = n - 1;
+    }
+  } else {
+    a = a < 0 ? 0 : a >= n ? n - 1 : a;
+    b = b < 0 ? 0 : b >= n ? n - 1 : b;
+  }
+  *first = a;
+  return b - a + 1;
+}
+
+static int turn(int k, int n) {
+  return k < 0 ? k + n : k >= n ? k - n : k;
+}
+
+static inline float image(float d, float period) {
+  return period > 0.0f ? d - period * rintf(d / period) : d;
+}
+
+/* Calls for every shell within reach of ball i's: kept ones are stamped, new ones go to both lists
+ * and to `fresh`. Returns false when memory is short. */
+static bool search(struct em_world *w, struct em_places *p, uint32_t i, uint32_t kept,
+                   uint32_t *count) {
+  const struct shell s = p->shell[i];
+  const float hull = hull_of(w, p, i) + p->slack;
+  const double reach = (double)hull + p->skin_most + w->largest + (double)p->slack;
+  int first[3];
+  const int nx = span(p, 0, (double)s.x - p->low.x, reach, &first[0]);
+  const int ny = span(p, 1, (double)s.y - p->low.y, reach, &first[1]);
+  const int nz = span(p, 2, (double)s.z - p->low.z, reach, &first[2]);
+  const bool periodic = p->period[0] > 0.0f || p->period[1] > 0.0f || p->period[2] > 0.0f;
+  for (int c = 0; c < nz; c++) {
+    const int plane = p->n[1] * turn(first[2] + c, p->n[2]);
+    for (int b = 0; b < ny; b++) {
+      const int row = p->n[0] * (plane + turn(first[1] + b, p->n[1]));
+      for (int a = 0; a < nx; a++) {
+        const size_t cell = (size_t)(row + turn(first[0] + a, p->n[0]));
+        const uint32_t room = p->room, held = p->held[cell];
+        const float *e = p->entry + cell * 4 * room;
+        const uint32_t *id = p->id + cell * room;
+        for (uint32_t k = 0; k < held; k++) {
+          float dx = e[k] - s.x, dy = e[room + k] - s.y, dz = e[2 * room + k] - s.z;
+          if (periodic) {
+            dx = image(dx, p->period[0]);
+            dy = image(dy, p->period[1]);
+            dz = image(dz, p->period[2]);
+          }
+          const float r = hull + e[3 * room + k];
+          if (dx * dx + dy * dy + dz * dz > r * r) continue;
+          const uint32_t j = id[k];
+          if (j == i) continue;
+          if (p->mark[j] == kept - 1) {
+            p->mark[j] = kept;
+            continue;
+          }
+          if (*count == p->fresh_room &&
+              !grow((void **)&p->fresh, sizeof *p->fresh, &p->fresh_room, *count + 1))
+            return false;
+          p->fresh[(*count)++] = j;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+static uint32_t next_stamp(struct em_places *p) {
+  if (p->stamp > UINT32_MAX - 4) {
+    memset(p->mark, 0, p->count * sizeof *p->mark);
+    p->stamp = 0;
+  }
+  return p->stamp += 2;
+}
+
+static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_t *count) {
+  struct em_places *p = w->places;
+  struct list *l = &p->list[i];
+  struct shell *s = &p->shell[i];
+  if (l->count > p->many)
+    s->skin = fmaxf(0.9f * s->skin, (float)p->skin_least);
+  else if (l->count < p->few)
+    s->skin = fminf(1.1f * s->skin, (float)p->skin_most);
+  cell_quit(p, i);
+  shell_place(w, p, i, now);
+  const uint32_t kept = next_stamp(p);
+  for (uint32_t k = 0; k < l->count; k++) p->mark[p->pool[l->at + k]] = kept - 1;
+  *count = 0;
+  if (!search(w, p, i, kept, count)) goto memory;
+  for (uint32_t k = 0; k < l->count;) {
+    const uint32_t j = p->pool[l->at + k];
+    if (p->mark[j] == kept) {
+      k++;
+    } else {
+      list_drop(p, j, i);
+      p->pool[l->at + k] = p->pool[l->at + --l->count];
+    }
+  }
+  for (uint32_t k = 0; k < *count; k++)
+    if (!list_add(p, i, p->fresh[k]) || !list_add(p, p->fresh[k], i)) goto memory;
+  if (!cell_enter(w, p, i)) goto memory;
+  return p->fresh;
+memory:
+  *count = 1;
+  return NULL;
+}
+
+static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
+  const struct list *l = &w->places->list[i];
+  *count = l->count;
+  return w->places->pool + l->at;
+}
+
+static void moved(struct em_world *w, uint32_t i) {
+  const struct shell *s = &w->places->shell[i];
+  const struct em_vec centre = {(double)s->x, (double)s->y, (double)s->z};
+  w->leave[i] = em_partition_stay(w, i, w->body[i].t, centre, (double)s->skin);
+}
+
+static uint32_t blades(const struct em_world *w, uint32_t i) {
+  return w->places->blades ? w->places->blades[i] : 0;
+}
+
+/* --- making ----------------------------------------------------------------------------------- */
+
+/* Skin in diameters of the largest ball, from the packing fraction: where balls hardly meet, a wide
+ * shell saves crossings; where they crowd, a narrow one saves candidates. */
+static double skin_for(const struct em_world *w) {
+  if (w->scene->engine.skin > 0.0) return w->scene->engine.skin;
+  double balls = 0.0;
+  for (uint32_t i = 0; i < w->count; i++) balls += pow(w->body[i].radius, 3.0);
+  const double phi = fmax(balls * 4.0 / 3.0 * M_PI / em_scene_volume(w->scene), 1e-3);
+  return fmin(1.0, 0.18 / cbrt(phi));
+}
+
+static void set_cells(struct em_world *w, struct em_places *p) {
+  const double reach = 2.0 * (p->skin_most + w->largest + (double)p->slack);
+  const double extent[3] = {w->high.x - w->low.x, w->high.y - w->low.y, w->high.z - w->low.z};
+  const double most = 4.0 * w->count + 64.0;
+  double edge = reach;
+  while (fmax(1.0, extent[0] / edge) * fmax(1.0, extent[1] / edge) * fmax(1.0, extent[2] / edge) >
+         most)
+    edge *= 1.26;
+  for (int k = 0; k < 3; k++) {
+    p->n[k] = extent[k] > edge ? (int)(extent[k] / edge) : 1;
+    p->edge[k] = extent[k] / p->n[k];
+  }
+}
+
+/* In a periodic box no pair may see two images of each other. */
+static enum em_status fit_period(struct em_world *w, struct em_places *p, struct em_error *err) {
+  const double period[3] = {w->period.x, w->period.y, w->period.z};
+  for (int k = 0; k < 3; k++) {
+    p->period[k] = (float)period[k];
+    if (period[k] <= 0.0) continue;
+    const double most = 0.49 * (0.5 * period[k] - 2.0 * w->largest);
+    if (most < 0.01 * w->largest)
+      return em_error_set(err, EM_INPUT, w->scene->file, 0,
+                          "chamber.size: a periodic edge of %g m is too short for balls of %g m "
+                          "diameter; more than two diameters are needed",
+                          period[k], 2.0 * w->largest);
+    p->skin_most = fmin(p->skin_most, most);
+  }
+  return EM_OK;
+}
+
+static void free_places(struct em_places *p) {
+  if (!p) return;
+  for (int k = 0; k < LIST_CLASSES; k++) free(p->spare[k]);
+  free(p->shell);
+  free(p->list);
+  free(p->cell);
+  free(p->mark);
+  free(p->blades);
+  free(p->pool);
+  free(p->fresh);
+  free(p->held);
+  free(p->entry);
+  free(p->id);
+  free(p);
+}
+
+static bool take_arrays(const struct em_world *w, struct em_places *p) {
+  p->shell = em_body_array(w->count, sizeof *p->shell);
+  p->list = em_body_array(w->count, sizeof *p->list);
+  p->cell = em_body_array(w->count, sizeof *p->cell);
+  p->mark = em_body_array(w->count, sizeof *p->mark);
+  p->held = em_body_array(cells(p), sizeof *p->held);
+  if (w->blade_count) p->blades = em_body_array(w->count, sizeof *p->blades);
+  return p->shell && p->list && p->cell && p->mark && p->held && cells_widen(p) &&
+         (p->blades || !w->blade_count);
+}
+
+/* Enters the balls one by one; each finds those entered before. */
+static bool fill(struct em_world *w, struct em_places *p) {
+  for (uint32_t i = 0; i < w->count; i++) {
+    struct list *l = &p->list[i];
+    p->shell[i].skin = (float)p->skin_most;
+    l->room = LIST_LEAST;
+    if (!list_take(p, l->room, &l->at)) return false;
+  }
+  for (uint32_t i = 0; i < w->count; i++) {
+    shell_place(w, p, i, w->clock);
+    uint32_t count = 0;
+    if (!search(w, p, i, next_stamp(p), &count)) return false;
+    for (uint32_t k = 0; k < count; k++)
+      if (!list_add(p, i, p->fresh[k]) || !list_add(p, p->fresh[k], i)) return false;
+    if (!cell_enter(w, p, i)) return false;
+  }
+  return true;
+}
+
+static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+  struct em_places *p = calloc(1, sizeof *p);
+  if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
+  const struct em_vec extent = em_vec_sub(w->high, w->low);
+  const double far = fmax(em_vec_norm(extent), em_vec_norm(w->low) + em_vec_norm(extent));
+  p->count = w->count;
+  p->low = w->low;
+  p->slack = (float)(1e-6 * far);
+  p->skin_most = skin_for(w) * 2.0 * w->largest;
+  const enum em_status status = fit_period(w, p, err);
+  if (status) {
+    free_places(p);
+    return status;
+  }
+  p->skin_least = 0.2 * p->skin_most;
+  p->ahead = 0.5;
+  p->few = 8;
+  p->many = 20;
+  set_cells(w, p);
+  w->places = p;
+  if (!take_arrays(w, p) || !fill(w, p)) {
+    w->places = NULL;
+    free_places(p);
+    return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
+  }
+  *places = p;
+  return EM_OK;
+}
+
+static size_t bytes(const struct em_places *p) {
+  size_t sum = p->count * (sizeof *p->shell + sizeof *p->list + sizeof *p->cell + sizeof *p->mark) +
+               p->pool_room * sizeof *p->pool + p->fresh_room * sizeof *p->fresh +
+               cells(p) * (sizeof *p->held + p->room * (4 * sizeof *p->entry + sizeof *p->id));
+  for (int k = 0; k < LIST_CLASSES; k++) sum += p->spare_room[k] * sizeof **p->spare;
+  return sum + (p->blades ? p->count * sizeof *p->blades : 0);
+}
+
+/* Every entry has its mirror image, every shell is in its cell. */
+static bool is_valid(const struct em_world *w) {
+  const struct em_places *p = w->places;
+  for (uint32_t i = 0; i < p->count; i++) {
+    const struct list *l = &p->list[i];
+    const uint32_t *id = p->id + (size_t)p->cell[i] * p->room;
+    bool found = false;
+    for (uint32_t k = 0; k < p->held[p->cell[i]]; k++) found = found || id[k] == i;
+    if (!found || p->cell[i] != cell_of(p, &p->shell[i])) return false;
+    for (uint32_t k = 0; k < l->count; k++) {
+      const struct list *m = &p->list[p->pool[l->at + k]];
+      uint32_t seen = 0;
+      for (uint32_t h = 0; h < m->count; h++) seen += p->pool[m->at + h] == i;
+      if (seen != 1) return false;
+    }
+  }
+  return true;
+}
+
+const struct em_partition_kind em_partition_neighbours = {
+    .name = "neighbours",
+    .make = make,
+    .free = free_places,
+    .candidates = candidates,
+    .moved = moved,
+    .cross = cross,
+    .blades = blades,
+    .bytes = bytes,
+    .is_valid = is_valid,
+};

@@ -1,0 +1,529 @@
+/* A world: made from a scene, run from event to event, asked for its state. */
+#include "eventmill/world.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "event/body.h"
+#include "event/partition.h"
+
+/* --- making ----------------------------------------------------------------------------------- */
+
+static unsigned flags_of(unsigned effects) {
+  unsigned flags = 0;
+  if (effects & EM_EFFECT_GRAVITY) flags |= EM_LOOP_GRAVITY;
+  if (effects & EM_EFFECT_SPIN) flags |= EM_LOOP_SPIN;
+  if (effects & EM_EFFECT_ROTOR) flags |= EM_LOOP_ROTOR;
+  if (effects & EM_EFFECT_PERIODIC) flags |= EM_LOOP_PERIODIC;
+  if (effects & (EM_EFFECT_TC | EM_EFFECT_ELASTIC | EM_EFFECT_JAM | EM_EFFECT_RAMPS |
+                 EM_EFFECT_TURNING))
+    flags |= EM_LOOP_EXTRA;
+  return flags;
+}
+
+static void set_chamber(struct em_world *w) {
+  const struct em_chamber *c = &w->scene->chamber;
+  em_scene_bounds(w->scene, &w->low, &w->high);
+  w->drum = c->shape == EM_SHAPE_DRUM;
+  w->rho = 0.5 * c->diameter;
+  w->drum_omega = c->rpm * M_PI / 30.0;
+  const struct em_vec extent = em_vec_sub(w->high, w->low);
+  const double edge[3] = {extent.x, extent.y, extent.z};
+  double period[3] = {0.0, 0.0, 0.0};
+  for (int k = 0; k < 3; k++) {
+    const bool open = !w->drum && c->periodic[k];
+    const bool plane = !open && (!w->drum || k == 1);
+    if (open) period[k] = edge[k];
+    w->wall[2 * k] = w->wall[2 * k + 1] = plane;
+    w->walls = w->walls || plane;
+  }
+  w->wall[EM_WALL_DRUM] = w->drum;
+  w->period = em_vec_make(period[0], period[1], period[2]);
+}
+
+static void set_blade(struct em_turning *t, const struct em_blade *b) {
+  t->blade = *b;
+  t->hull = hypot(b->reach, b->radius);
+  t->swing = fabs(b->omega) * t->hull;
+  t->e3 = em_vec_cross(b->axis, b->e1);
+  t->cos = cos(b->angle);
+  t->sin = sin(b->angle);
+}
+
+static bool set_blades(struct em_world *w) {
+  w->blade_count = (uint32_t)em_scene_blade_count(w->scene);
+  w->blade = em_body_array(w->blade_count, sizeof *w->blade);
+  w->blade_tally = em_body_array(w->blade_count, sizeof *w->blade_tally);
+  if (!w->blade || !w->blade_tally) return false;
+  uint32_t k = 0;
+  for (size_t r = 0; r < w->scene->rotor_count; r++)
+    for (size_t b = 0; b < w->scene->rotor[r].blade_count; b++)
+      set_blade(&w->blade[k++], &w->scene->rotor[r].blade[b]);
+  return true;
+}
+
+/* Epochs of about 256 diameters' flight keep the rounding of times below 1e-13 diameters. */
+static void set_times(struct em_world *w) {
+  const double speed = em_scene_typical_speed(w->scene);
+  const double d = w->count ? 2.0 * w->smallest : em_vec_norm(em_vec_sub(w->high, w->low));
+  w->epoch_length = exp2(nearbyint(log2(256.0 * d / speed)));
+  w->within = fmin(w->scene->remedy.jam_within, 1e-5 * d / speed);
+}
+
+static bool take_arrays(struct em_world *w, bool spin, bool mixed) {
+  w->body = em_body_array(w->count, sizeof *w->body);
+  w->trace = em_body_array(w->count, sizeof *w->trace);
+  w->leave = em_body_array(w->count, sizeof *w->leave);
+  w->tied = em_body_array(w->count, sizeof *w->tied);
+  if (spin) w->spin = em_body_array(w->count, sizeof *w->spin);
+  if (mixed) w->mass = em_body_array(w->count, sizeof *w->mass);
+  return w->body && w->trace && w->leave && w->tied && (w->spin || !spin) && (w->mass || !mixed);
+}
+
+static void set_balls(struct em_world *w, const struct em_balls *balls) {
+  w->smallest = INFINITY;
+  for (uint32_t i = 0; i < w->count; i++) {
+    const struct em_vec x = balls->position[i], v = balls->velocity[i];
+    w->body[i] = (struct em_body){x.x, x.y, x.z, v.x, v.y, v.z, 0.0, balls->radius[i]};
+    w->trace[i].last = EM_NOBODY;
+    w->largest = fmax(w->largest, balls->radius[i]);
+    w->smallest = fmin(w->smallest, balls->radius[i]);
+    if (w->spin) w->spin[i] = balls->spin[i];
+    if (w->mass) w->mass[i] = balls->mass[i];
+  }
+  if (w->count) w->mass0 = balls->mass[0];
+}
+
+/* A world with its balls, but without lists. */
+static enum em_status begin(struct em_world **world, const struct em_scene *scene,
+                            const struct em_balls *balls, struct em_error *err) {
+  const unsigned effects = em_scene_effects(scene);
+  if (balls->count >= EM_SURFACE)
+    return em_error_set(err, EM_INPUT, scene->file, 0, "balls: %zu are too many; at most %u",
+                        balls->count, EM_SURFACE - 1u);
+  struct em_world *w = calloc(1, sizeof *w);
+  if (!w) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the world");
+  w->scene = scene;
+  w->count = (uint32_t)balls->count;
+  w->gravity = scene->gravity;
+  w->fall = em_vec_norm(scene->gravity);
+  set_chamber(w);
+  if (!take_arrays(w, effects & EM_EFFECT_SPIN, effects & EM_EFFECT_MIXED) || !set_blades(w)) {
+    em_world_free(w);
+    return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %zu balls", balls->count);
+  }
+  set_balls(w, balls);
+  set_times(w);
+  const bool avx2 =
+#ifdef EM_HAVE_AVX2
+      scene->engine.simd && __builtin_cpu_supports("avx2");
+#else
+      false;
+#endif
+  w->loop = em_loop_find(flags_of(effects), avx2);
+  if (!w->loop) {
+    em_world_free(w);
+    return em_error_set(err, EM_INPUT, scene->file, 0,
+                        "chamber.periodic: a rotor does not turn in a periodic box");
+  }
+  *world = w;
+  return EM_OK;
+}
+
+/* Makes all lists from the state of the balls. */
+static enum em_status set_lists(struct em_world *w, struct em_error *err) {
+  const struct em_scene *scene = w->scene;
+  const double spacing =
+      2.0 * w->smallest / em_scene_typical_speed(scene) / fmax(1.0, (double)w->count);
+  w->queue_kind = em_queue_find(scene->engine.lists);
+  w->local_kind = em_local_find(scene->engine.lists);
+  w->partition_kind = em_partition_find(scene->engine.partition);
+  w->queue = w->queue_kind->make(w->count, spacing);
+  w->local = w->local_kind->make(w->count);
+  if (!w->queue || !w->local)
+    return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
+  return w->partition_kind->make(w, &w->places, err);
+}
+
+static enum em_status predict_all(struct em_world *w, struct em_error *err) {
+  if (w->loop->predict_all(w)) return EM_OK;
+  return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
+}
+
+enum em_status em_world_new(struct em_world **world, const struct em_scene *scene,
+                            const struct em_balls *balls, struct em_error *err) {
+  struct em_world *w = NULL;
+  enum em_status status = begin(&w, scene, balls, err);
+  if (status) return status;
+  status = set_lists(w, err);
+  if (!status && !em_world_is_valid(w, 1e-6 * w->smallest, err)) status = EM_INPUT;
+  if (!status) status = predict_all(w, err);
+  if (status) {
+    em_world_free(w);
+    return status;
+  }
+  *world = w;
+  return EM_OK;
+}
+
+void em_world_free(struct em_world *w) {
+  if (!w) return;
+  if (w->queue) w->queue_kind->free(w->queue);
+  if (w->local) w->local_kind->free(w->local);
+  if (w->places) w->partition_kind->free(w->places);
+  free(w->body);
+  free(w->trace);
+  free(w->leave);
+  free(w->tied);
+  free(w->spin);
+  free(w->mass);
+  free(w->blade);
+  free(w->blade_tally);
+  free(w->observer);
+  free(w);
+}
+
+enum em_status em_world_observe(struct em_world *w, const struct em_observer *observer) {
+  struct em_observer *more = realloc(w->observer, (w->observers + 1) * sizeof *more);
+  if (!more) return EM_MEMORY;
+  w->observer = more;
+  w->observer[w->observers++] = *observer;
+  return EM_OK;
+}
+
+/* --- running ---------------------------------------------------------------------------------- */
+
+static double local_time(const struct em_world *w, double time) {
+  return time - (double)w->epoch * w->epoch_length;
+}
+
+enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_t count,
+                                       const volatile sig_atomic_t *stop, struct em_error *err) {
+  uint64_t left = count;
+  while (left > 0) {
+    const double limit = local_time(w, until);
+    const bool shift = limit >= w->epoch_length;
+    const enum em_status status =
+        w->loop->run(w, shift ? w->epoch_length : limit, &left, stop, err);
+    if (status) return status;
+    if (left > 0) w->clock = fmax(w->clock, shift ? w->epoch_length : limit);
+    if (!shift || left == 0) break;
+    if (!em_body_next_epoch(w))
+      return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
+  }
+  return EM_OK;
+}
+
+enum em_status em_world_run(struct em_world *w, double until, const volatile sig_atomic_t *stop,
+                            struct em_error *err) {
+  return em_world_run_collisions(w, until, UINT64_MAX, stop, err);
+}
+
+static void partner_name(const struct em_world *w, uint32_t partner, char *text, size_t room) {
+  if (partner < EM_SURFACE)
+    snprintf(text, room, "ball %u", partner);
+  else if (partner >= EM_SURFACE_BLADE(0))
+    snprintf(text, room, "blade %u", partner - EM_SURFACE_BLADE(0));
+  else if (partner == EM_SURFACE + EM_WALL_DRUM)
+    snprintf(text, room, "the drum");
+  else
+    snprintf(text, room, "the %s wall across %c",
+             (partner - EM_SURFACE) & 1 ? "upper" : "lower", 'x' + (int)(partner - EM_SURFACE) / 2);
+  (void)w;
+}
+
+enum em_status em_world_collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
+                                  double t, struct em_error *err) {
+  char with[64];
+  partner_name(w, partner, with, sizeof with);
+  const struct em_vec x = em_body_at(w, i, local_time(w, t));
+  const bool jam = w->scene->remedy.jam_after > 0;
+  return em_error_set(
+      err, jam ? EM_JAM : EM_COLLAPSE, w->scene->file, 0,
+      "%s at %.9g s: ball %u at (%.6g, %.6g, %.6g) m, now with %s, had %u contacts in a row, each "
+      "within %.3g s of the one before; %s",
+      jam ? "jam without exit" : "inelastic collapse", t, i, x.x, x.y, x.z, with,
+      w->scene->remedy.collapse_after, w->within,
+      jam ? "the balls have no way out" : "hard spheres at rest on one another need remedy.tc or "
+                                          "remedy.elastic_below");
+}
+
+/* --- asking ----------------------------------------------------------------------------------- */
+
+double em_world_time(const struct em_world *w) {
+  return (double)w->epoch * w->epoch_length + w->clock;
+}
+
+size_t em_world_count(const struct em_world *w) {
+  return w->count;
+}
+
+size_t em_world_blade_count(const struct em_world *w) {
+  return w->blade_count;
+}
+
+uint64_t em_world_collisions(const struct em_world *w) {
+  uint64_t sum = 0;
+  for (int k = 0; k < EM_CLASS_COUNT; k++) sum += w->tally.collisions[k];
+  return sum;
+}
+
+const struct em_tally *em_world_tally(const struct em_world *w) {
+  return &w->tally;
+}
+
+const struct em_blade_tally *em_world_blade_tally(const struct em_world *w, size_t blade) {
+  return &w->blade_tally[blade];
+}
+
+double em_world_blade_angle(const struct em_world *w, size_t blade, double time) {
+  const struct em_blade *b = &w->blade[blade].blade;
+  return b->angle + b->omega * local_time(w, time);
+}
+
+static double inside(double x, double low, double period) {
+  return period > 0.0 ? x - period * floor((x - low) / period) : x;
+}
+
+void em_world_state(const struct em_world *w, double time, struct em_balls *balls) {
+  const double t = local_time(w, time);
+  size_t i = 0;
+  for (size_t s = 0; s < w->scene->species_count; s++)
+    for (size_t k = 0; k < w->scene->species[s].count && i < w->count; k++)
+      balls->species[i++] = (uint16_t)s;
+  for (i = 0; i < w->count; i++) {
+    const struct em_vec x = em_body_at(w, (uint32_t)i, t);
+    balls->position[i] = em_vec_make(inside(x.x, w->low.x, w->period.x),
+                                     inside(x.y, w->low.y, w->period.y),
+                                     inside(x.z, w->low.z, w->period.z));
+    balls->velocity[i] = em_body_velocity(w, (uint32_t)i, t);
+    balls->spin[i] = w->spin ? w->spin[i] : em_vec_make(0.0, 0.0, 0.0);
+    balls->radius[i] = w->body[i].radius;
+    balls->mass[i] = w->mass ? w->mass[i] : w->mass0;
+  }
+}
+
+struct em_energy em_world_energy(const struct em_world *w, const struct em_balls *balls) {
+  struct em_energy e = {0.0, 0.0, 0.0};
+  for (size_t i = 0; i < balls->count; i++) {
+    const double m = balls->mass[i], r = balls->radius[i];
+    e.kinetic += 0.5 * m * em_vec_norm2(balls->velocity[i]);
+    e.spin += 0.5 * (0.4 * m * r * r) * em_vec_norm2(balls->spin[i]);
+    e.potential -= m * em_vec_dot(w->gravity, balls->position[i]);
+  }
+  return e;
+}
+
+double em_world_bin_edge(size_t k) {
+  const int octave = (int)(k / EM_TALLY_PER_OCTAVE);
+  const double part = (double)(k % EM_TALLY_PER_OCTAVE) / EM_TALLY_PER_OCTAVE;
+  return ldexp(1.0 + part, octave + EM_TALLY_LOWEST);
+}
+
+const char *em_world_variant(const struct em_world *w) {
+  return w->loop->name;
+}
+
+double em_world_bytes_per_ball(const struct em_world *w) {
+  size_t each = sizeof *w->body + sizeof *w->trace + sizeof *w->leave + sizeof *w->tied;
+  if (w->spin) each += sizeof *w->spin;
+  if (w->mass) each += sizeof *w->mass;
+  const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local) +
+                       w->partition_kind->bytes(w->places);
+  return w->count ? (double)each + (double)lists / w->count : 0.0;
+}
+
+/* --- checking --------------------------------------------------------------------------------- */
+
+static bool fault(struct em_error *err, const struct em_world *w, uint32_t i, uint32_t partner,
+                  double depth) {
+  char with[64];
+  partner_name(w, partner, with, sizeof with);
+  const struct em_vec x = em_body_at(w, i, w->clock);
+  em_error_set(err, EM_INPUT, w->scene->file, 0,
+               "ball %u at (%.9g, %.9g, %.9g) m overlaps %s by %.3g m", i, x.x, x.y, x.z, with,
+               depth);
+  return false;
+}
+
+static bool clear_of_walls(const struct em_world *w, uint32_t i, double tolerance,
+                           struct em_error *err) {
+  const struct em_vec x = em_body_at(w, i, w->clock);
+  const double r = w->body[i].radius;
+  const double at[3] = {x.x, x.y, x.z}, low[3] = {w->low.x, w->low.y, w->low.z},
+               high[3] = {w->high.x, w->high.y, w->high.z};
+  for (uint32_t k = 0; k < 6; k++) {
+    const double depth = k & 1 ? at[k / 2] + r - high[k / 2] : low[k / 2] - (at[k / 2] - r);
+    if (w->wall[k] && !(depth <= tolerance)) return fault(err, w, i, EM_SURFACE + k, depth);
+  }
+  const double out = sqrt(x.x * x.x + x.z * x.z) + r - w->rho;
+  if (w->drum && !(out <= tolerance)) return fault(err, w, i, EM_SURFACE + EM_WALL_DRUM, out);
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    const struct em_blade *b = &w->blade[k].blade;
+    if (b->tip == EM_TIP_NONE) continue;
+    const double depth = -em_surface_blade_gap(b, x, r, b->angle + b->omega * w->clock);
+    if (!(depth <= tolerance)) return fault(err, w, i, EM_SURFACE_BLADE(k), depth);
+  }
+  return true;
+}
+
+static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance,
+                           struct em_error *err) {
+  uint32_t n;
+  const uint32_t *id = w->partition_kind->candidates(w, i, &n);
+  const struct em_vec x = em_body_at(w, i, w->clock);
+  const double period[3] = {w->period.x, w->period.y, w->period.z};
+  for (uint32_t k = 0; k < n; k++) {
+    const struct em_vec d = em_vec_sub(em_body_at(w, id[k], w->clock), x);
+    double e[3] = {d.x, d.y, d.z};
+    for (int a = 0; a < 3; a++)
+      if (period[a] > 0.0) e[a] -= period[a] * nearbyint(e[a] / period[a]);
+    const double depth = w->body[i].radius + w->body[id[k]].radius -
+                         sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+    if (!(depth <= tolerance)) return fault(err, w, i, id[k], depth);
+  }
+  return true;
+}
+
+bool em_world_is_valid(const struct em_world *world, double tolerance, struct em_error *err) {
+  struct em_world *w = (struct em_world *)(uintptr_t)world; /* candidates use scratch */
+  for (uint32_t i = 0; i < w->count; i++) {
+    const struct em_body *b = &w->body[i];
+    if (!isfinite(b->x + b->y + b->z + b->vx + b->vy + b->vz + b->t)) {
+      em_error_set(err, EM_INPUT, w->scene->file, 0, "ball %u has no finite state", i);
+      return false;
+    }
+    if (!clear_of_walls(w, i, tolerance, err) || !clear_of_balls(w, i, tolerance, err))
+      return false;
+  }
+  if (w->partition_kind->is_valid(w)) return true;
+  em_error_set(err, EM_INTERNAL, NULL, 0, "the partition %s is inconsistent",
+               w->partition_kind->name);
+  return false;
+}
+
+/* --- restarts --------------------------------------------------------------------------------- */
+
+void em_world_snapshot_free(struct em_snapshot *s) {
+  if (!s) return;
+  free(s->position);
+  free(s->velocity);
+  free(s->spin);
+  free(s->time);
+  free(s->last);
+  free(s->streak);
+  free(s->blade_angle);
+  free(s->blade);
+  free(s);
+}
+
+struct em_snapshot *em_world_snapshot_new(uint32_t count, uint32_t blade_count, bool spin) {
+  struct em_snapshot *s = calloc(1, sizeof *s);
+  if (!s) return NULL;
+  const size_t n = count ? count : 1, m = blade_count ? blade_count : 1;
+  s->count = count;
+  s->blade_count = blade_count;
+  s->position = calloc(n, sizeof *s->position);
+  s->velocity = calloc(n, sizeof *s->velocity);
+  s->spin = spin ? calloc(n, sizeof *s->spin) : NULL;
+  s->time = calloc(n, sizeof *s->time);
+  s->last = calloc(n, sizeof *s->last);
+  s->streak = calloc(n, sizeof *s->streak);
+  s->blade_angle = calloc(m, sizeof *s->blade_angle);
+  s->blade = calloc(m, sizeof *s->blade);
+  if (s->position && s->velocity && (s->spin || !spin) && s->time && s->last && s->streak &&
+      s->blade_angle && s->blade)
+    return s;
+  em_world_snapshot_free(s);
+  return NULL;
+}
+
+enum em_status em_world_snapshot(const struct em_world *w, struct em_snapshot **snapshot,
+                                 struct em_error *err) {
+  struct em_snapshot *s = em_world_snapshot_new(w->count, w->blade_count, w->spin != NULL);
+  if (!s) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a checkpoint");
+  s->epoch = w->epoch;
+  s->clock = w->clock;
+  for (uint32_t i = 0; i < w->count; i++) {
+    const struct em_body *b = &w->body[i];
+    s->position[i] = em_vec_make(b->x, b->y, b->z);
+    s->velocity[i] = em_vec_make(b->vx, b->vy, b->vz);
+    s->time[i] = b->t;
+    s->last[i] = w->trace[i].last;
+    s->streak[i] = w->trace[i].streak;
+    if (w->spin) s->spin[i] = w->spin[i];
+  }
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    s->blade_angle[k] = w->blade[k].blade.angle;
+    s->blade[k] = w->blade_tally[k];
+  }
+  s->tally = w->tally;
+  *snapshot = s;
+  return EM_OK;
+}
+
+/* Radii and masses come from the scene; everything else from the snapshot. */
+static enum em_status balls_of(const struct em_scene *scene, const struct em_snapshot *s,
+                               struct em_balls **balls, struct em_error *err) {
+  if (em_scene_ball_count(scene) != s->count || em_scene_blade_count(scene) != s->blade_count)
+    return em_error_set(err, EM_INPUT, scene->file, 0,
+                        "the checkpoint holds %u balls and %u blades, the scene %zu and %zu",
+                        s->count, s->blade_count, em_scene_ball_count(scene),
+                        em_scene_blade_count(scene));
+  struct em_balls *b = em_start_new(s->count);
+  if (!b) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %u balls", s->count);
+  size_t i = 0;
+  for (size_t k = 0; k < scene->species_count; k++) {
+    const struct em_species *species = &scene->species[k];
+    const double r = 0.5 * species->diameter;
+    for (size_t n = 0; n < species->count; n++, i++) {
+      b->position[i] = s->position[i];
+      b->velocity[i] = s->velocity[i];
+      if (s->spin) b->spin[i] = s->spin[i];
+      b->radius[i] = r;
+      b->mass[i] = species->density * (M_PI / 6.0) * pow(species->diameter, 3.0);
+    }
+  }
+  *balls = b;
+  return EM_OK;
+}
+
+static void restore(struct em_world *w, const struct em_snapshot *s) {
+  w->epoch = s->epoch;
+  w->clock = s->clock;
+  w->tally = s->tally;
+  for (uint32_t i = 0; i < w->count; i++) {
+    w->body[i].t = s->time[i];
+    w->trace[i].last = s->last[i];
+    w->trace[i].streak = s->streak[i];
+  }
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    w->blade[k].blade.angle = s->blade_angle[k];
+    w->blade[k].cos = cos(s->blade_angle[k]);
+    w->blade[k].sin = sin(s->blade_angle[k]);
+    w->blade_tally[k] = s->blade[k];
+  }
+}
+
+enum em_status em_world_resume(struct em_world **world, const struct em_scene *scene,
+                               const struct em_snapshot *snapshot, struct em_error *err) {
+  struct em_world *w = NULL;
+  struct em_balls *balls = NULL;
+  enum em_status status = balls_of(scene, snapshot, &balls, err);
+  if (status) return status;
+  status = begin(&w, scene, balls, err);
+  em_start_free(balls);
+  if (status) return status;
+  restore(w, snapshot);
+  status = set_lists(w, err);
+  if (!status) status = predict_all(w, err);
+  if (status) {
+    em_world_free(w);
+    return status;
+  }
+  *world = w;
+  return EM_OK;
+}
