@@ -41,7 +41,7 @@ MISSING  := $(shell for p in $(PACKAGES); do pkg-config --exists $$p 2>/dev/null
 CFLAGS   ?=
 CPPFLAGS ?=
 LDFLAGS  ?=
-WARN  := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
+WARN  := -Wall -Wextra -Wpedantic -Wno-psabi -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
          $(if $(WERROR),-Werror)
 EXACT := -ffp-contract=off -fno-math-errno
 HOUSE := -std=gnu11 -D_GNU_SOURCE $(KIND) $(EXACT) -fPIC -fno-semantic-interposition $(WARN)
