@@ -18,13 +18,13 @@ struct law {
  * 0 … 50 m/s (docs/physics.md). */
 static const struct law LAW[EM_LAW_COUNT] = {
     [EM_LAW_CONSTANT] = {"constant", 1, {"epsilon"}, {0.9}},
-    [EM_LAW_SALO] = {"salo", 1, {"c"}, {19.5}},
-    [EM_LAW_ANDREWS] = {"andrews", 1, {"c"}, {1.0}},
+    [EM_LAW_SALO] = {"salo", 1, {"c"}, {13.94}},
+    [EM_LAW_ANDREWS] = {"andrews", 1, {"c"}, {1.572}},
     [EM_LAW_SPAHN] = {"spahn", 3, {"A", "B", "C"}, {0.985, 0.9494, 0.291}},
-    [EM_LAW_POWER2] = {"power2", 2, {"A", "B"}, {0.2, 0.3}},
-    [EM_LAW_POWER4] = {"power4", 4, {"A", "B", "C", "D"}, {0.2, 0.3, 0.0, 1.0}},
-    [EM_LAW_EXPONENTIAL] = {"exponential", 3, {"A", "B", "c"}, {0.35, 0.5, 10.0}},
-    [EM_LAW_VISCOELASTIC] = {"viscoelastic", 1, {"beta"}, {0.2}},
+    [EM_LAW_POWER2] = {"power2", 2, {"A", "B"}, {0.2947, 0.5261}},
+    [EM_LAW_POWER4] = {"power4", 4, {"A", "B", "C", "D"}, {1.0533, 1.0, 0.291, 0.0}},
+    [EM_LAW_EXPONENTIAL] = {"exponential", 3, {"A", "B", "C"}, {0.3401, 0.5612, 0.2875}},
+    [EM_LAW_VISCOELASTIC] = {"viscoelastic", 1, {"beta"}, {0.5123}},
 };
 
 #define NAME(code, text) text,
@@ -90,7 +90,12 @@ static double andrews(double c, double v) {
   return sqrt(-(2.0 / 3.0) * x2 + sqrt((10.0 / 3.0) * x2 - (5.0 / 9.0) * x2 * x2));
 }
 
-/* Padé approximant of the viscoelastic sphere; x² = β v^(1/5). */
+/* Falls from 1 to the floor as `share` falls from 1 to 0. */
+static double above(double floor, double share) {
+  return floor + (1.0 - floor) * share;
+}
+
+/* Padé approximant of the viscoelastic sphere (Müller & Pöschel 2011); x² = β v^(1/5). */
 static double viscoelastic(double beta, double v) {
   const double x = sqrt(beta) * pow(v, 0.1);
   const double below = 1.0 + x * (0.501086 + x * (1.15345 + x * (0.577977 + x * 0.532178)));
@@ -104,9 +109,9 @@ double em_contact_restitution(const struct em_restitution *law, double vn) {
   case EM_LAW_SALO: return clamp(1.0 / (1.0 + vn / p[0]));
   case EM_LAW_ANDREWS: return clamp(andrews(p[0], vn));
   case EM_LAW_SPAHN: return clamp(p[0] * pow(vn + p[1], -p[2]));
-  case EM_LAW_POWER2: return clamp(1.0 - p[0] * pow(vn, p[1]));
-  case EM_LAW_POWER4: return clamp(1.0 - p[0] * pow(vn, p[1]) - p[2] * pow(vn, p[3]));
-  case EM_LAW_EXPONENTIAL: return clamp(p[0] + p[1] * exp(-vn / p[2]));
+  case EM_LAW_POWER2: return clamp(1.0 / (1.0 + p[0] * pow(vn, p[1])));
+  case EM_LAW_POWER4: return clamp(above(p[3], pow(1.0 + p[0] * pow(vn, p[1]), -p[2])));
+  case EM_LAW_EXPONENTIAL: return clamp(above(p[2], exp(-p[0] * pow(vn, p[1]))));
   case EM_LAW_VISCOELASTIC: return clamp(viscoelastic(p[0], vn));
   case EM_LAW_COUNT: break;
   }
