@@ -49,8 +49,7 @@ static void place(struct em_error *err, enum em_status code, const char *file, i
 
 enum em_status em_error_set(struct em_error *err, enum em_status code, const char *file, int line,
                             const char *format, ...) {
-  if (!err)
-    return code;
+  if (!err) return code;
   va_list args;
   va_start(args, format);
   err->text[0] = '\0';
@@ -62,8 +61,7 @@ enum em_status em_error_set(struct em_error *err, enum em_status code, const cha
 
 enum em_status em_error_add(struct em_error *err, enum em_status code, const char *file, int line,
                             const char *format, ...) {
-  if (!err)
-    return code;
+  if (!err) return code;
   if (err->code == EM_OK) {
     err->text[0] = '\0';
     place(err, code, file, line);
@@ -78,7 +76,6 @@ enum em_status em_error_add(struct em_error *err, enum em_status code, const cha
 }
 
 const char *em_error_text(enum em_status code) {
-  if ((unsigned)code >= EM_STATUS_COUNT)
-    return "unknown status";
+  if ((unsigned)code >= EM_STATUS_COUNT) return "unknown status";
   return status_text[code];
 }

@@ -11,8 +11,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 /* 0: the target took the file, whatever it holds. */
 static int run_file(const char *path) {
   FILE *file = fopen(path, "rb");
-  if (!file)
-    return 1;
+  if (!file) return 1;
   if (fseek(file, 0, SEEK_END) != 0) {
     fclose(file);
     return 1;
@@ -23,8 +22,7 @@ static int run_file(const char *path) {
   uint8_t *data = size < 0 ? NULL : malloc(size > 0 ? (size_t)size : 1);
   int bad = !data || fread(data, 1, (size_t)size, file) != (size_t)size;
   fclose(file);
-  if (!bad)
-    LLVMFuzzerTestOneInput(data, (size_t)size);
+  if (!bad) LLVMFuzzerTestOneInput(data, (size_t)size);
   free(data);
   return bad;
 }
@@ -36,12 +34,10 @@ static int is_directory(const char *path) {
 
 static int run_directory(const char *path, int *files) {
   DIR *dir = opendir(path);
-  if (!dir)
-    return 1;
+  if (!dir) return 1;
   int bad = 0;
   for (struct dirent *entry; (entry = readdir(dir)) != NULL;) {
-    if (entry->d_name[0] == '.')
-      continue;
+    if (entry->d_name[0] == '.') continue;
     char name[4096];
     snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
     bad |= run_file(name);
