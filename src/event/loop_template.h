@@ -337,7 +337,8 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
     d.y = d.y - image_shift(d.y, w->period.y);
     d.z = d.z - image_shift(d.z, w->period.z);
   }
-  const struct em_vec e = em_vec_scale(1.0 / em_vec_norm(d), d);
+  const double norm = em_vec_norm(d);
+  const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};
   const struct em_vec u = {a->vx - b->vx, a->vy - b->vy, a->vz - b->vz};
   struct em_vec g = u;
   if (WITH(SPIN))

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "event/partition.h"
 
@@ -208,72 +211,104 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   if (p->blades) p->blades[i] = em_partition_blades(w, centre, w->body[i].radius, (double)s->skin);
 }
 
-/* Cells to search along one axis: first and number, from a centre and a reach. */
-static int span(const struct em_places *p, int axis, double x, double reach, int *first) {
+/* The cells along one axis that a sphere can touch, each with the shift that brings its periodic
+ * image to the sphere, and the least distance between the two. */
+struct row {
+  int cell[3];
+  float shift[3], apart2[3];
+  int count;
+  bool whole; /* a short periodic edge: the nearest image has to be chosen shell by shell */
+};
+
+static struct row row_of(const struct em_places *p, int axis, double x, double reach) {
   const int n = p->n[axis];
-  const double e = p->edge[axis];
+  const double e = p->edge[axis], period = (double)p->period[axis];
   int a = (int)floor((x - reach) / e), b = (int)floor((x + reach) / e);
-  if (p->period[axis] > 0.0f) {
-    if (b - a >= n) {
-      a = 0;
-      b = n - 1;
-    }
-  } else {
+  struct row row = {.whole = period > 0.0 && n < 3};
+  if (row.whole) {
+    a = 0;
+    b = n - 1;
+  } else if (period == 0.0) {
     a = a < 0 ? 0 : a >= n ? n - 1 : a;
     b = b < 0 ? 0 : b >= n ? n - 1 : b;
   }
-  *first = a;
-  return b - a + 1;
+  for (int k = a; k <= b && row.count < 3; k++) {
+    const bool edge = period == 0.0 && (k == 0 || k == n - 1); /* holds all beyond it as well */
+    const double apart = row.whole || edge ? 0.0 : fmax(0.0, fmax(k * e - x, x - (k + 1) * e));
+    row.cell[row.count] = k < 0 ? k + n : k >= n ? k - n : k;
+    row.shift[row.count] = (float)(k < 0 ? -period : k >= n ? period : 0.0);
+    row.apart2[row.count++] = (float)(apart * apart);
+  }
+  return row;
 }
 
-static int turn(int k, int n) {
-  return k < 0 ? k + n : k >= n ? k - n : k;
+typedef float v4f __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+
+static inline unsigned bits_of(v4i mask) {
+#ifdef __SSE2__
+  return (unsigned)_mm_movemask_ps((__m128)mask);
+#else
+  return (mask[0] & 1u) | (mask[1] & 2u) | (mask[2] & 4u) | (mask[3] & 8u);
+#endif
 }
 
-static inline float image(float d, float period) {
-  return period > 0.0f ? d - period * rintf(d / period) : d;
+static inline v4f nearest_image(v4f d, float period) {
+  for (int k = 0; period > 0.0f && k < 4; k++) d[k] -= period * rintf(d[k] / period);
+  return d;
 }
 
-/* Calls for every shell within reach of ball i's: kept ones are stamped, new ones go to both lists
- * and to `fresh`. Returns false when memory is short. */
-static bool search(struct em_world *w, struct em_places *p, uint32_t i, uint32_t kept,
+/* Shells k … k+3 of a cell that come within reach of the centre x, y, z, as bits. */
+static inline unsigned within(const struct em_places *p, const float *e, uint32_t k, float x,
+                              float y, float z, float hull, bool whole) {
+  const uint32_t room = p->room;
+  v4f dx = *(const v4f *)(e + k) - x, dy = *(const v4f *)(e + room + k) - y;
+  v4f dz = *(const v4f *)(e + 2 * room + k) - z;
+  const v4f r = *(const v4f *)(e + 3 * room + k) + hull;
+  if (whole) {
+    dx = nearest_image(dx, p->period[0]);
+    dy = nearest_image(dy, p->period[1]);
+    dz = nearest_image(dz, p->period[2]);
+  }
+  return bits_of(dx * dx + dy * dy + dz * dz <= r * r);
+}
+
+/* Finds every shell within reach of ball i's: those stamped kept - 1 are stamped kept, the others
+ * go to `fresh`. Returns false when memory is short. */
+static bool search(const struct em_world *w, struct em_places *p, uint32_t i, uint32_t kept,
                    uint32_t *count) {
   const struct shell s = p->shell[i];
   const float hull = hull_of(w, p, i) + p->slack;
   const double reach = (double)hull + p->skin_most + w->largest + (double)p->slack;
-  int first[3];
-  const int nx = span(p, 0, (double)s.x - p->low.x, reach, &first[0]);
-  const int ny = span(p, 1, (double)s.y - p->low.y, reach, &first[1]);
-  const int nz = span(p, 2, (double)s.z - p->low.z, reach, &first[2]);
-  const bool periodic = p->period[0] > 0.0f || p->period[1] > 0.0f || p->period[2] > 0.0f;
-  for (int c = 0; c < nz; c++) {
-    const int plane = p->n[1] * turn(first[2] + c, p->n[2]);
-    for (int b = 0; b < ny; b++) {
-      const int row = p->n[0] * (plane + turn(first[1] + b, p->n[1]));
-      for (int a = 0; a < nx; a++) {
-        const size_t cell = (size_t)(row + turn(first[0] + a, p->n[0]));
-        const uint32_t room = p->room, held = p->held[cell];
-        const float *e = p->entry + cell * 4 * room;
-        const uint32_t *id = p->id + cell * room;
-        for (uint32_t k = 0; k < held; k++) {
-          float dx = e[k] - s.x, dy = e[room + k] - s.y, dz = e[2 * room + k] - s.z;
-          if (periodic) {
-            dx = image(dx, p->period[0]);
-            dy = image(dy, p->period[1]);
-            dz = image(dz, p->period[2]);
+  const float reach2 = (float)(1.00001 * reach * reach);
+  const struct row rx = row_of(p, 0, (double)s.x - p->low.x, reach);
+  const struct row ry = row_of(p, 1, (double)s.y - p->low.y, reach);
+  const struct row rz = row_of(p, 2, (double)s.z - p->low.z, reach);
+  const bool whole = rx.whole || ry.whole || rz.whole;
+  for (int c = 0; c < rz.count; c++) {
+    for (int b = 0; b < ry.count; b++) {
+      const int line = p->n[0] * (p->n[1] * rz.cell[c] + ry.cell[b]);
+      const float apart2 = rz.apart2[c] + ry.apart2[b];
+      for (int a = 0; a < rx.count; a++) {
+        if (apart2 + rx.apart2[a] > reach2) continue;
+        const size_t cell = (size_t)(line + rx.cell[a]);
+        const uint32_t held = p->held[cell];
+        const float *e = p->entry + cell * 4 * p->room;
+        const uint32_t *id = p->id + cell * p->room;
+        if (*count + held > p->fresh_room &&
+            !grow((void **)&p->fresh, sizeof *p->fresh, &p->fresh_room, *count + held))
+          return false;
+        for (uint32_t k = 0; k < held; k += 4) {
+          unsigned near = within(p, e, k, s.x - rx.shift[a], s.y - ry.shift[b],
+                                 s.z - rz.shift[c], hull, whole);
+          if (held - k < 4) near &= (1u << (held - k)) - 1u;
+          for (; near; near &= near - 1) {
+            const uint32_t j = id[k + (uint32_t)__builtin_ctz(near)];
+            if (p->mark[j] == kept - 1)
+              p->mark[j] = kept;
+            else
+              p->fresh[(*count)++] = j;
           }
-          const float r = hull + e[3 * room + k];
-          if (dx * dx + dy * dy + dz * dz > r * r) continue;
-          const uint32_t j = id[k];
-          if (j == i) continue;
-          if (p->mark[j] == kept - 1) {
-            p->mark[j] = kept;
-            continue;
-          }
-          if (*count == p->fresh_room &&
-              !grow((void **)&p->fresh, sizeof *p->fresh, &p->fresh_room, *count + 1))
-            return false;
-          p->fresh[(*count)++] = j;
         }
       }
     }
