@@ -76,7 +76,7 @@ static void formulas(void **state) {
   /* x = ½: √(−1/6 + √(5/6 − 5/144)) */
   assert_true(fabs(law_at(EM_LAW_ANDREWS, c, 4.0) - 0.85263343504910360) < 1e-14);
   assert_true(fabs(standard(EM_LAW_SPAHN, 1.0) - 0.81110121252710101) < 1e-15);
-  assert_true(fabs(standard(EM_LAW_SPAHN, 0.0) - 0.99999655839956691) < 1e-15);
+  assert_true(fabs(standard(EM_LAW_SPAHN, 0.0) - 0.99999655839956569) < 1e-15);
   assert_true(fabs(law_at(EM_LAW_POWER2, (const double[4]){0.5, 2.0}, 2.0) - 1.0 / 3.0) < 1e-15);
   assert_true(fabs(law_at(EM_LAW_POWER4, (const double[4]){0.75, 2.0, 0.5, 0.2}, 2.0) - 0.6) <
               1e-15);
