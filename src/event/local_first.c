@@ -18,7 +18,8 @@ static struct em_local *make(uint32_t count) {
       malloc(sizeof(struct em_local) + (size_t)count * sizeof(struct em_prediction));
   if (!local) return NULL;
   local->count = count;
-  for (uint32_t ball = 0; ball < count; ball++) clear(local, ball);
+  for (uint32_t ball = 0; ball < count; ball++)
+    clear(local, ball);
   return local;
 }
 

@@ -48,7 +48,8 @@ static struct em_local *make(uint32_t count) {
     free_local(local);
     return NULL;
   }
-  for (uint32_t ball = 0; ball < count; ball++) em_rbtree_init(&local->tree[ball]);
+  for (uint32_t ball = 0; ball < count; ball++)
+    em_rbtree_init(&local->tree[ball]);
   return local;
 }
 

@@ -4,7 +4,7 @@
 #include <assert.h>
 
 #define NONE ((uint32_t)EM_RBTREE_NONE)
-#define RED 0x80000000u
+#define RED  0x80000000u
 
 static uint32_t parent_of(const struct em_rbnode *node, uint32_t n) {
   return node[n].parent & ~RED;
@@ -234,8 +234,8 @@ void em_rbtree_remove(struct em_rbtree *tree, struct em_rbnode *node, uint32_t n
 void em_rbtree_move(struct em_rbtree *tree, struct em_rbnode *node, uint32_t n, double key) {
   const uint32_t previous = node[n].previous;
   const uint32_t next = node[n].next;
-  const bool stays = (previous == NONE || node[previous].key < key) &&
-                     (next == NONE || key < node[next].key);
+  const bool stays =
+      (previous == NONE || node[previous].key < key) && (next == NONE || key < node[next].key);
   if (stays) {
     node[n].key = key;
     return;
@@ -280,7 +280,8 @@ static size_t branch_size(const struct em_rbnode *node, uint32_t n) {
 static uint32_t climb_next(const struct em_rbnode *node, uint32_t n) {
   if (node[n].right != NONE) {
     n = node[n].right;
-    while (node[n].left != NONE) n = node[n].left;
+    while (node[n].left != NONE)
+      n = node[n].left;
     return n;
   }
   uint32_t parent = parent_of(node, n);
@@ -298,7 +299,8 @@ bool em_rbtree_is_valid(const struct em_rbtree *tree, const struct em_rbnode *no
   if (is_red(node, tree->root)) return false;
   if (black_height(node, room, tree->root, NONE, 0) < 0) return false;
   uint32_t n = tree->root;
-  while (node[n].left != NONE) n = node[n].left;
+  while (node[n].left != NONE)
+    n = node[n].left;
   if (n != tree->first || node[n].previous != NONE) return false;
   size_t counted = 1;
   for (uint32_t next = climb_next(node, n); next != NONE; next = climb_next(node, n)) {

@@ -29,7 +29,8 @@ static double *make_waits(void) {
   double *wait = malloc(WAITS * sizeof *wait);
   uint64_t state = 5;
   if (!wait) exit(1);
-  for (size_t k = 0; k < WAITS; k++) wait[k] = -log1p(-(double)(draw(&state) >> 11) * 0x1p-53);
+  for (size_t k = 0; k < WAITS; k++)
+    wait[k] = -log1p(-(double)(draw(&state) >> 11) * 0x1p-53);
   return wait;
 }
 
@@ -65,7 +66,8 @@ static double measure(const struct em_queue_kind *kind, uint32_t count, double s
   uint64_t state = 9;
   struct em_queue *queue = kind->make(count, spacing);
   if (!queue) exit(1);
-  for (uint32_t n = 0; n < count; n++) kind->set(queue, n, wait[draw(&state) % WAITS]);
+  for (uint32_t n = 0; n < count; n++)
+    kind->set(queue, n, wait[draw(&state) % WAITS]);
   hold(queue, kind, count, 2 * (uint64_t)count, wait, &state);
   const double cost = hold(queue, kind, count, steps, wait, &state);
   *bytes = kind->bytes(queue);

@@ -66,7 +66,8 @@ static void try_random(const struct em_local_kind *kind, uint32_t times, uint32_
   struct em_local *local = kind->make(BALLS);
   assert_non_null(local);
   uint64_t state = seed;
-  for (uint32_t ball = 0; ball < BALLS; ball++) plain[ball].size = 0;
+  for (uint32_t ball = 0; ball < BALLS; ball++)
+    plain[ball].size = 0;
   for (uint32_t step = 0; step < 20000; step++) {
     const uint32_t ball = draw_below(&state, BALLS);
     const uint32_t dice = draw_below(&state, 100);
@@ -86,7 +87,8 @@ static void try_random(const struct em_local_kind *kind, uint32_t times, uint32_
       assert_true(kind->add(local, ball, &entry));
       p->entry[p->size++] = entry;
     }
-    for (uint32_t n = 0; n < BALLS; n++) check(kind, local, &plain[n], n);
+    for (uint32_t n = 0; n < BALLS; n++)
+      check(kind, local, &plain[n], n);
   }
   kind->free(local);
 }
@@ -111,7 +113,8 @@ static void test_order_of_entry_does_not_matter(void **unused) {
     struct em_local *local = kind->make(2);
     const struct em_prediction *order[2][3] = {{&a, &b, &wall}, {&wall, &b, &a}};
     for (uint32_t ball = 0; ball < 2; ball++)
-      for (int n = 0; n < 3; n++) assert_true(kind->add(local, ball, order[ball][n]));
+      for (int n = 0; n < 3; n++)
+        assert_true(kind->add(local, ball, order[ball][n]));
     for (uint32_t ball = 0; ball < 2; ball++)
       assert_int_equal(kind->first(local, ball)->partner, 3);
     kind->clear(local, 0);
@@ -156,7 +159,8 @@ static void test_pool_is_reused(void **unused) {
 static void test_kinds_have_names(void **unused) {
   (void)unused;
   assert_null(em_local_find(EM_LISTS_COUNT));
-  for (int k = 0; k < KINDS; k++) assert_non_null(em_local_find((enum em_lists)k)->name);
+  for (int k = 0; k < KINDS; k++)
+    assert_non_null(em_local_find((enum em_lists)k)->name);
 }
 
 int main(void) {

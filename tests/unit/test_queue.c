@@ -34,13 +34,20 @@ enum { SHAPES = 7 };
 static double wait_time(uint64_t *state, int shape) {
   const double u = draw(state);
   switch (shape) {
-  case 0: return -log1p(-u);                               /* a gas */
-  case 1: return u;                                        /* uniform */
-  case 2: return floor(8.0 * u);                           /* many ties, zero among them */
-  case 3: return 0.0;                                      /* everything at once */
-  case 4: return u < 0.5 ? 1e-9 * u : 1e6 * u;             /* two scales, far apart */
-  case 5: return pow(10.0, 40.0 * u - 30.0);               /* all scales */
-  default: return u < 0.1 ? INFINITY : u < 0.2 ? 1e300 : u; /* many without an event */
+  case 0:
+    return -log1p(-u); /* a gas */
+  case 1:
+    return u; /* uniform */
+  case 2:
+    return floor(8.0 * u); /* many ties, zero among them */
+  case 3:
+    return 0.0; /* everything at once */
+  case 4:
+    return u < 0.5 ? 1e-9 * u : 1e6 * u; /* two scales, far apart */
+  case 5:
+    return pow(10.0, 40.0 * u - 30.0); /* all scales */
+  default:
+    return u < 0.1 ? INFINITY : u < 0.2 ? 1e300 : u; /* many without an event */
   }
 }
 
@@ -51,8 +58,8 @@ static uint32_t scan_first(const double *time, uint32_t count) {
   return found;
 }
 
-static void check_tied(const struct em_queue_kind *kind, struct em_queue *queue,
-                       const double *time, uint32_t count) {
+static void check_tied(const struct em_queue_kind *kind, struct em_queue *queue, const double *time,
+                       uint32_t count) {
   uint32_t ball[SMALL];
   const uint32_t earliest = scan_first(time, count);
   size_t expected = 0;
@@ -77,13 +84,14 @@ static void check_first(const struct em_queue_kind *kind, struct em_queue *queue
 }
 
 /* Random operations on a few balls, everything checked after every one of them. */
-static void try_small(const struct em_queue_kind *kind, uint32_t count, int shape,
-                      double spacing, uint64_t seed) {
+static void try_small(const struct em_queue_kind *kind, uint32_t count, int shape, double spacing,
+                      uint64_t seed) {
   double time[SMALL];
   uint64_t state = seed;
   struct em_queue *queue = kind->make(count, spacing);
   assert_non_null(queue);
-  for (uint32_t n = 0; n < count; n++) time[n] = INFINITY;
+  for (uint32_t n = 0; n < count; n++)
+    time[n] = INFINITY;
   double now = 0.0;
   for (int step = 0; step < 400; step++) {
     const uint32_t dice = draw_below(&state, 100);
@@ -91,7 +99,8 @@ static void try_small(const struct em_queue_kind *kind, uint32_t count, int shap
     if (dice == 0) {
       now = draw(&state) * 10.0 - 5.0;
       kind->clear(queue, now);
-      for (uint32_t n = 0; n < count; n++) time[n] = INFINITY;
+      for (uint32_t n = 0; n < count; n++)
+        time[n] = INFINITY;
     } else {
       uint32_t ball = draw_below(&state, count);
       double t = now + wait_time(&state, shape);
@@ -136,7 +145,8 @@ static uint64_t fingerprint(const struct em_queue_kind *kind, uint32_t count, ui
   uint64_t state = 99, print = 0;
   struct em_queue *queue = kind->make(count, spacing);
   assert_non_null(queue);
-  for (uint32_t n = 0; n < count; n++) kind->set(queue, n, wait_time(&state, shape));
+  for (uint32_t n = 0; n < count; n++)
+    kind->set(queue, n, wait_time(&state, shape));
   double last = 0.0;
   for (uint32_t step = 0; step < steps; step++) {
     double now;
@@ -183,7 +193,8 @@ static void test_ties_come_by_number(void **unused) {
   for (int k = 0; k < KINDS; k++) {
     const struct em_queue_kind *kind = em_queue_find((enum em_lists)k);
     struct em_queue *queue = kind->make(COUNT, 1.0);
-    for (uint32_t n = 0; n < COUNT; n++) kind->set(queue, n * 7 % COUNT, 3.0);
+    for (uint32_t n = 0; n < COUNT; n++)
+      kind->set(queue, n * 7 % COUNT, 3.0);
     for (uint32_t n = 0; n < COUNT; n++) {
       double t;
       assert_int_equal(kind->first(queue, &t), n);
@@ -201,7 +212,8 @@ static void test_ties_come_by_number(void **unused) {
 static void test_kinds_have_names(void **unused) {
   (void)unused;
   assert_null(em_queue_find(EM_LISTS_COUNT));
-  for (int k = 0; k < KINDS; k++) assert_non_null(em_queue_find((enum em_lists)k)->name);
+  for (int k = 0; k < KINDS; k++)
+    assert_non_null(em_queue_find((enum em_lists)k)->name);
   struct em_queue *queue = em_queue_calendar.make(100000, 1.0);
   assert_non_null(queue);
   assert_true(em_queue_calendar.bytes(queue) <= 24 * 100000 + 4096);
@@ -210,8 +222,8 @@ static void test_kinds_have_names(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_random_operations),   cmocka_unit_test(test_all_kinds_agree),
-      cmocka_unit_test(test_a_million_events),    cmocka_unit_test(test_ties_come_by_number),
+      cmocka_unit_test(test_random_operations), cmocka_unit_test(test_all_kinds_agree),
+      cmocka_unit_test(test_a_million_events),  cmocka_unit_test(test_ties_come_by_number),
       cmocka_unit_test(test_kinds_have_names),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -46,7 +46,8 @@ static void sorted_insert(struct sorted *sorted, const struct em_rbnode *node, u
 
 static void sorted_remove(struct sorted *sorted, uint32_t n) {
   size_t place = 0;
-  while (sorted->index[place] != n) place++;
+  while (sorted->index[place] != n)
+    place++;
   sorted->size--;
   memmove(&sorted->index[place], &sorted->index[place + 1],
           (sorted->size - place) * sizeof sorted->index[0]);
