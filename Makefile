@@ -33,7 +33,7 @@ else
 endif
 
 # ---------------------------------------------------------------- compiler and libraries
-PACKAGES := gsl hdf5 libconfig osmesa libpng
+PACKAGES := gsl hdf5 libconfig osmesa libpng cairo
 MISSING  := $(shell for p in $(PACKAGES); do pkg-config --exists $$p 2>/dev/null || echo $$p; done)
 
 # Flags that the user may add to, and those on which results depend: no fused multiply-add, no

@@ -1,0 +1,141 @@
+/* Begins scripts in the house style and has gnuplot draw them; the picture comes to us through
+ * gnuplot's standard output, so that no file name is ever part of a script that is run. */
+#include "draw/gnuplot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "draw/child.h"
+
+static const char *ending_of(const char *path) {
+  const char *dot = strrchr(path, '.');
+  return dot != NULL && strchr(dot, '/') == NULL ? dot : "";
+}
+
+static bool is_script(const char *path) {
+  return strcmp(ending_of(path), ".gp") == 0;
+}
+
+static bool write_terminal(FILE *out, const char *path, int width, int height) {
+  const char *end = ending_of(path);
+  if (strcmp(end, ".svg") == 0)
+    fprintf(out, "set terminal svg size %d,%d enhanced font 'DejaVu Sans,13' background 'white'\n",
+            width, height);
+  else if (strcmp(end, ".pdf") == 0)
+    fprintf(out, "set terminal pdfcairo size %gin,%gin enhanced font 'DejaVu Sans,10'\n",
+            width / 120.0, height / 120.0);
+  else if (strcmp(end, ".png") == 0 || is_script(path))
+    fprintf(out, "set terminal pngcairo size %d,%d enhanced font 'DejaVu Sans,13'\n", width,
+            height);
+  else
+    return false;
+  return true;
+}
+
+static void write_style(FILE *out) {
+  fputs("set encoding utf8\n"
+        "set border 3 lw 1 lc rgb '#5b606b'\n"
+        "set tics nomirror out scale 0.6 textcolor rgb '#2b2f36'\n"
+        "set grid back lt 1 lw 0.8 lc rgb '#e4e7eb'\n"
+        "set key top right samplen 2 spacing 1.25 font ',12' textcolor rgb '#2b2f36' noenhanced\n",
+        out);
+}
+
+enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int width, int height,
+                                struct em_error *err) {
+  script->out = open_memstream(&script->text, &script->size);
+  if (script->out == NULL)
+    return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
+  if (!write_terminal(script->out, path, width, height)) {
+    fclose(script->out);
+    free(script->text);
+    return em_error_set(err, EM_INPUT, path, 0,
+                        "the name of a diagram must end in .png, .svg, .pdf or .gp");
+  }
+  if (is_script(path)) {
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    char picture[512];
+    snprintf(picture, sizeof picture, "%.*s.png", (int)(strlen(name) - 3), name);
+    fputs("set output ", script->out);
+    em_gnuplot_string(script, picture);
+    fputc('\n', script->out);
+  }
+  write_style(script->out);
+  return EM_OK;
+}
+
+void em_gnuplot_string(struct em_gnuplot *script, const char *text) {
+  fputc('\'', script->out);
+  for (const char *c = text != NULL ? text : ""; *c != '\0'; c++) {
+    if (*c == '\'') fputc('\'', script->out);
+    fputc((unsigned char)*c < ' ' ? ' ' : *c, script->out);
+  }
+  fputc('\'', script->out);
+}
+
+void em_gnuplot_title(struct em_gnuplot *script, const char *title, const char *subtitle) {
+  const char *text[2] = {title, subtitle};
+  static const char *const look[2] = {
+      "at screen 0.035,0.955 left font ',17' textcolor rgb '#1c1f24' noenhanced front\n",
+      "at screen 0.035,0.908 left font ',12' textcolor rgb '#6a707b' noenhanced front\n"};
+  for (int k = 0; k < 2; k++) {
+    if (text[k] == NULL) continue;
+    fprintf(script->out, "set label %d ", 1000 + k);
+    em_gnuplot_string(script, text[k]);
+    fprintf(script->out, " %s", look[k]);
+  }
+}
+
+/* Fills the open file by running gnuplot, or with the script itself. */
+static enum em_status fill(int fd, const struct em_gnuplot *script, const char *path,
+                           struct em_error *err) {
+  static const char *const command[] = {"gnuplot", "-", NULL};
+  if (is_script(path)) {
+    if (write(fd, script->text, script->size) == (ssize_t)script->size) return EM_OK;
+    return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+  }
+  struct em_child child;
+  enum em_status status = em_child_start(&child, command, fd, err);
+  if (status != EM_OK) return status;
+  status = em_child_send(&child, script->text, script->size, err);
+  if (status == EM_OK) status = em_child_finish(&child, err);
+  if (status != EM_OK) em_child_abandon(&child);
+  if (status == EM_OK && lseek(fd, 0, SEEK_END) <= 0)
+    status = em_error_set(err, EM_FILE, path, 0, "gnuplot wrote nothing");
+  return status;
+}
+
+static enum em_status write_file(const struct em_gnuplot *script, const char *path,
+                                 struct em_error *err) {
+  char *temporary = NULL;
+  if (asprintf(&temporary, "%s.part", path) < 0)
+    return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
+  const int fd = open(temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  enum em_status status = EM_OK;
+  if (fd < 0) {
+    status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+  } else {
+    status = fill(fd, script, path, err);
+    if (close(fd) != 0 && status == EM_OK)
+      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+    if (status == EM_OK && rename(temporary, path) != 0)
+      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+    if (status != EM_OK) unlink(temporary);
+  }
+  free(temporary);
+  return status;
+}
+
+enum em_status em_gnuplot_end(struct em_gnuplot *script, const char *path, struct em_error *err) {
+  enum em_status status = EM_OK;
+  if (fclose(script->out) != 0)
+    status = em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
+  else
+    status = write_file(script, path, err);
+  free(script->text);
+  return status;
+}
