@@ -57,7 +57,7 @@ struct em_world {
   double fall;     /* |gravity| */
   double rho;      /* m, drum: its radius */
   struct em_vec low, high; /* m, of the chamber */
-  struct em_vec period;    /* m; 0 where not periodic */
+  struct em_vec period, per_period; /* m, 1/m; 0 where not periodic */
   bool drum;
   bool wall[EM_WALLS], walls; /* which there are; any plane at all */
   uint32_t blade_count;

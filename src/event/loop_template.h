@@ -30,9 +30,9 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   const double du = ub - ua, dv = vb - va, dw = wb - wa;
   if (WITH(PERIODIC)) {
     const double ahead = now - tr;
-    dx = dx - image_shift(dx + du * ahead, w->period.x);
-    dy = dy - image_shift(dy + dv * ahead, w->period.y);
-    dz = dz - image_shift(dz + dw * ahead, w->period.z);
+    dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
+    dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+    dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
   }
   (void)now;
   const double p = (dx * du + dy * dv) + dz * dw;
@@ -66,9 +66,10 @@ static struct em_prediction FN(first_of_four)(const struct em_world *w, uint32_t
   const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
   v4d best = v4d_all(INFINITY);
   v4l who = v4l_all(EM_NOBODY);
+  uint32_t last[4] = {i, i, i, i};
+  for (uint32_t k = n & ~3u, h = 0; k < n; k++) last[h++] = id[k];
   for (uint32_t k = 0; k < n; k += 4) {
-    uint32_t j[4] = {i, i, i, i};
-    memcpy(j, id + k, (n - k < 4 ? n - k : 4) * sizeof *j);
+    const uint32_t *j = n - k < 4 ? last : id + k;
     v4d x, y, z, u, v, m, t, r;
     four_halves(&body[j[0]].x, &body[j[1]].x, &body[j[2]].x, &body[j[3]].x, &x, &y, &z, &u);
     four_halves(&body[j[0]].vy, &body[j[1]].vy, &body[j[2]].vy, &body[j[3]].vy, &v, &m, &t, &r);
@@ -89,9 +90,9 @@ static struct em_prediction FN(first_of_four)(const struct em_world *w, uint32_t
     const v4d du = u - ua, dv = v - va, dw = m - wa;
     if (WITH(PERIODIC)) {
       const v4d ahead = now - tr;
-      dx = dx - image_shift_four(dx + du * ahead, w->period.x);
-      dy = dy - image_shift_four(dy + dv * ahead, w->period.y);
-      dz = dz - image_shift_four(dz + dw * ahead, w->period.z);
+      dx = dx - image_shift_four(dx + du * ahead, w->period.x, w->per_period.x);
+      dy = dy - image_shift_four(dy + dv * ahead, w->period.y, w->per_period.y);
+      dz = dz - image_shift_four(dz + dw * ahead, w->period.z, w->per_period.z);
     }
     const v4d p = (dx * du + dy * dv) + dz * dw;
     const v4d sigma = r + a->radius;
@@ -333,9 +334,9 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   const struct em_body *a = &w->body[i], *b = &w->body[j];
   struct em_vec d = {a->x - b->x, a->y - b->y, a->z - b->z};
   if (WITH(PERIODIC)) {
-    d.x = d.x - image_shift(d.x, w->period.x);
-    d.y = d.y - image_shift(d.y, w->period.y);
-    d.z = d.z - image_shift(d.z, w->period.z);
+    d.x = d.x - image_shift(d.x, w->period.x, w->per_period.x);
+    d.y = d.y - image_shift(d.y, w->period.y, w->per_period.y);
+    d.z = d.z - image_shift(d.z, w->period.z, w->per_period.z);
   }
   const double norm = em_vec_norm(d);
   const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};

@@ -42,6 +42,9 @@ static void set_chamber(struct em_world *w) {
   }
   w->wall[EM_WALL_DRUM] = w->drum;
   w->period = em_vec_make(period[0], period[1], period[2]);
+  w->per_period = em_vec_make(period[0] > 0.0 ? 1.0 / period[0] : 0.0,
+                              period[1] > 0.0 ? 1.0 / period[1] : 0.0,
+                              period[2] > 0.0 ? 1.0 / period[2] : 0.0);
 }
 
 static void set_blade(struct em_turning *t, const struct em_blade *b) {
