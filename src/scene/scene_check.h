@@ -1,0 +1,12 @@
+/* Is a scene possible? */
+#ifndef EVENTMILL_SCENE_SCENE_CHECK_H
+#define EVENTMILL_SCENE_SCENE_CHECK_H
+
+#include "eventmill/scene.h"
+#include "scene/scene_report.h"
+
+/* Reports blades that touch walls or each other, balls that do not fit, regions outside the
+ * chamber. The scene's entries are in their ranges. */
+void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene);
+
+#endif

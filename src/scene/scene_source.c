@@ -1,0 +1,296 @@
+/* Reads the text of a scene and of the files it includes, and smooths what libconfig 1.5 stumbles
+ * over: it ends the program on an unreadable include, cuts integers to 32 bits without a word, and
+ * refuses arrays that mix integers and reals. */
+#include "scene/scene_source.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { NESTING = 64, INCLUDES = 16 };
+
+/* Where the copying of one file stands. */
+struct cursor {
+  struct em_scene_source *source;
+  struct em_error *err;
+  const char *file, *at;
+  int line, depth;
+  int *nesting;  /* open brackets, shared by all files */
+  char *bracket; /* what closes each of them */
+};
+
+static enum em_status no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the scene's text");
+}
+
+static enum em_status put(struct cursor *c, const char *text, size_t length) {
+  struct em_scene_source *s = c->source;
+  if (s->length + length + 1 > s->room) {
+    size_t room = 2 * (s->length + length) + 1024;
+    char *grown = realloc(s->text, room);
+    if (!grown)
+      return no_memory(c->err);
+    s->text = grown;
+    s->room = room;
+  }
+  for (size_t k = 0; k < length; ++k)
+    s->lines += text[k] == '\n';
+  memcpy(s->text + s->length, text, length);
+  s->length += length;
+  s->text[s->length] = '\0';
+  return EM_OK;
+}
+
+/* Copies `length` characters of the file. */
+static enum em_status pass(struct cursor *c, size_t length) {
+  for (size_t k = 0; k < length; ++k)
+    c->line += c->at[k] == '\n';
+  enum em_status status = put(c, c->at, length);
+  c->at += length;
+  return status;
+}
+
+static enum em_status add_piece(struct cursor *c) {
+  struct em_scene_source *s = c->source;
+  struct em_scene_piece *grown = realloc(s->piece, (s->piece_count + 1) * sizeof *grown);
+  if (!grown)
+    return no_memory(c->err);
+  s->piece = grown;
+  char *file = strdup(c->file);
+  if (!file)
+    return no_memory(c->err);
+  s->piece[s->piece_count++] = (struct em_scene_piece){s->lines, c->line, file};
+  return EM_OK;
+}
+
+/* Length of the comment that begins here, without its line end; 0: none. */
+static size_t comment_length(const char *at) {
+  if (at[0] == '#' || (at[0] == '/' && at[1] == '/'))
+    return strcspn(at, "\n");
+  if (at[0] != '/' || at[1] != '*')
+    return 0;
+  const char *end = strstr(at + 2, "*/");
+  return end ? (size_t)(end - at) + 2 : strlen(at);
+}
+
+/* Length of the string that begins here with its quotes. */
+static size_t string_length(const char *at) {
+  size_t k = 1;
+  while (at[k] && at[k] != '"')
+    k += at[k] == '\\' && at[k + 1] ? 2 : 1;
+  return at[k] ? k + 1 : k;
+}
+
+static bool is_word(char c) {
+  return isalnum((unsigned char)c) || c == '_' || c == '*' || c == '-';
+}
+
+/* Copies a number; one that is a plain integer beyond 32 bits gets an L. */
+static enum em_status pass_number(struct cursor *c) {
+  const char *at = c->at;
+  bool hex = at[0] == '0' && (at[1] == 'x' || at[1] == 'X');
+  size_t n = hex ? 2 + strspn(at + 2, "0123456789abcdefABCDEF") : strspn(at, "0123456789");
+  bool whole = at[n] != '.' && !isalpha((unsigned char)at[n]);
+  errno = 0;
+  unsigned long long value = strtoull(at, NULL, hex ? 16 : 10);
+  bool wide = value > INT_MAX || errno == ERANGE;
+  if (!whole) {
+    n += strspn(at + n, "0123456789.");
+    if (at[n] == 'e' || at[n] == 'E')
+      n += 1u + (size_t)(at[n + 1] == '+' || at[n + 1] == '-');
+    while (isalnum((unsigned char)at[n]) || at[n] == '.')
+      ++n;
+  }
+  enum em_status status = pass(c, n);
+  return status == EM_OK && whole && wide ? put(c, "L", 1) : status;
+}
+
+/* Copies a bracket; square ones become round where they match. */
+static enum em_status pass_bracket(struct cursor *c) {
+  char b = *c->at;
+  if (strchr("[({", b)) {
+    if (*c->nesting == NESTING)
+      return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                          "nested too deeply, expected at most %d brackets", NESTING);
+    c->bracket[(*c->nesting)++] = (char)(b == '[' ? ']' : b == '(' ? ')' : '}');
+  } else {
+    if (*c->nesting == 0 || c->bracket[*c->nesting - 1] != b)
+      return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                          *c->nesting == 0 ? "\"%c\" closes nothing"
+                                           : "found \"%c\", expected \"%c\"",
+                          b, c->bracket[*c->nesting > 0 ? *c->nesting - 1 : 0]);
+    --*c->nesting;
+  }
+  c->at++;
+  const char *round = b == '[' ? "(" : b == ']' ? ")" : &b;
+  return put(c, round, 1);
+}
+
+static enum em_status copy_file(struct cursor *c);
+
+static bool begins_line(const struct cursor *c, const char *start) {
+  const char *at = c->at;
+  while (at > start && (at[-1] == ' ' || at[-1] == '\t'))
+    --at;
+  return at == start || at[-1] == '\n';
+}
+
+/* Copies the included file in place of its directive. */
+static enum em_status include(struct cursor *c, const char *start) {
+  const char *name = c->at + strlen("@include");
+  name += strspn(name, " \t");
+  size_t n = *name == '"' ? strcspn(name + 1, "\"\n") : 0;
+  if (strncmp(c->at, "@include", strlen("@include")) != 0 || n == 0 || name[n + 1] != '"' ||
+      !begins_line(c, start))
+    return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                        "\"@\", expected @include \"FILE\" at the beginning of a line");
+  if (c->depth == INCLUDES)
+    return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                        "@include: nested too deeply, expected at most %d files", INCLUDES);
+  char *word = strndup(name + 1, n);
+  char *path = word ? em_scene_source_beside(c->file, word) : NULL;
+  char *text = NULL;
+  free(word);
+  struct em_error inner = {0};
+  enum em_status status =
+      path ? em_scene_source_load(&text, path, &inner) : no_memory(c->err);
+  if (path && status != EM_OK)
+    em_error_set(c->err, status, c->file, c->line, "@include \"%.200s\": %.200s", path,
+                 inner.text + strspn(inner.text, " "));
+  if (status == EM_OK) {
+    struct cursor inside = *c;
+    inside.file = path;
+    inside.at = text;
+    inside.line = 1;
+    inside.depth++;
+    status = copy_file(&inside);
+  }
+  free(path);
+  free(text);
+  if (status != EM_OK)
+    return status;
+  c->at = name + n + 2;
+  return add_piece(c);
+}
+
+static enum em_status copy_file(struct cursor *c) {
+  const char *start = c->at;
+  enum em_status status = add_piece(c);
+  while (status == EM_OK && *c->at) {
+    size_t n = comment_length(c->at);
+    if (n > 0)
+      status = pass(c, n);
+    else if (*c->at == '"')
+      status = pass(c, string_length(c->at));
+    else if (strchr("[](){}", *c->at))
+      status = pass_bracket(c);
+    else if (*c->at == '@')
+      status = include(c, start);
+    else if (isdigit((unsigned char)*c->at))
+      status = pass_number(c);
+    else if (isalpha((unsigned char)*c->at) || *c->at == '*' || *c->at == '.') {
+      n = 1;
+      while (is_word(c->at[n]) || (*c->at == '.' && isdigit((unsigned char)c->at[n])))
+        ++n;
+      status = pass(c, n);
+    } else
+      status = pass(c, 1);
+  }
+  return status;
+}
+
+enum em_status em_scene_source_join(struct em_scene_source *source, const char *text,
+                                    const char *name, struct em_error *err) {
+  *source = (struct em_scene_source){.name = name, .lines = 1};
+  int nesting = 0;
+  char bracket[NESTING];
+  struct cursor c = {source, err, name, text, 1, 0, &nesting, bracket};
+  enum em_status status = put(&c, "", 0);
+  if (status == EM_OK)
+    status = copy_file(&c);
+  if (status != EM_OK)
+    em_scene_source_free(source);
+  return status;
+}
+
+/* Reads an open file to its end. */
+static enum em_status slurp(char **text, FILE *file, const char *path, struct em_error *err) {
+  size_t length = 0, room = 0;
+  char *all = NULL;
+  for (;;) {
+    if (room - length < 4096) {
+      char *grown = realloc(all, room = 2 * room + 8192);
+      if (!grown) {
+        free(all);
+        return no_memory(err);
+      }
+      all = grown;
+    }
+    size_t n = fread(all + length, 1, room - length - 1, file);
+    length += n;
+    if (n == 0)
+      break;
+  }
+  all[length] = '\0';
+  enum em_status status = EM_OK;
+  if (ferror(file))
+    status = em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", strerror(errno));
+  else if (strlen(all) != length)
+    status = em_error_set(err, EM_INPUT, path, 0, "holds a zero byte, expected text");
+  if (status == EM_OK)
+    *text = all;
+  else
+    free(all);
+  return status;
+}
+
+enum em_status em_scene_source_load(char **text, const char *path, struct em_error *err) {
+  struct stat st;
+  if (stat(path, &st) != 0)
+    return em_error_set(err, EM_FILE, path, 0, "cannot be opened: %s", strerror(errno));
+  if (!S_ISREG(st.st_mode) && !S_ISFIFO(st.st_mode))
+    return em_error_set(err, EM_FILE, path, 0, "is a %s, expected a file",
+                        S_ISDIR(st.st_mode) ? "directory" : "device");
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return em_error_set(err, EM_FILE, path, 0, "cannot be opened: %s", strerror(errno));
+  enum em_status status = slurp(text, file, path, err);
+  fclose(file);
+  return status;
+}
+
+char *em_scene_source_beside(const char *base, const char *path) {
+  const char *slash = strrchr(base, '/');
+  if (path[0] == '/' || !slash)
+    return strdup(path);
+  size_t n = (size_t)(slash - base) + 1;
+  char *joined = malloc(n + strlen(path) + 1);
+  if (joined) {
+    memcpy(joined, base, n);
+    strcpy(joined + n, path);
+  }
+  return joined;
+}
+
+const char *em_scene_source_place(const struct em_scene_source *source, int joined, int *line) {
+  const char *file = source->name;
+  *line = joined;
+  for (size_t k = 0; k < source->piece_count && source->piece[k].first <= joined; ++k) {
+    file = source->piece[k].file;
+    *line = source->piece[k].line + (joined - source->piece[k].first);
+  }
+  return file;
+}
+
+void em_scene_source_free(struct em_scene_source *source) {
+  free(source->text);
+  for (size_t k = 0; k < source->piece_count; ++k)
+    free(source->piece[k].file);
+  free(source->piece);
+  *source = (struct em_scene_source){0};
+}
