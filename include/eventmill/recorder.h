@@ -67,4 +67,10 @@ enum em_status em_recorder_run(const struct em_scene *scene,
  * ".cfg", and ".h5"; `size` bytes at most. */
 void em_recorder_default_path(const struct em_scene *scene, char *path, size_t size);
 
+/* What this build is: version with the repository's state, compiler; and the libraries that it runs
+ * with, into `text`. */
+const char *em_recorder_version(void);
+const char *em_recorder_compiler(void);
+void em_recorder_libraries(char *text, size_t size);
+
 #endif

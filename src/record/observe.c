@@ -1,0 +1,214 @@
+/* The observables of a run: which ones a scene has, and their values now. */
+#include "record/observe.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---------------------------------------------------------------- which scene has which */
+
+static size_t always(const struct em_scene *scene) {
+  (void)scene;
+  return 1;
+}
+
+static size_t has(const struct em_scene *scene, unsigned effects) {
+  return (em_scene_effects(scene) & effects) != 0;
+}
+
+static size_t with_gravity(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_GRAVITY);
+}
+
+static size_t with_spin(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_SPIN);
+}
+
+static size_t with_turning(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_TURNING);
+}
+
+static size_t with_tc(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_TC);
+}
+
+static size_t with_elastic(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_ELASTIC);
+}
+
+static size_t with_jam(const struct em_scene *scene) {
+  return has(scene, EM_EFFECT_JAM);
+}
+
+static size_t per_class(const struct em_scene *scene) {
+  (void)scene;
+  return EM_CLASS_COUNT;
+}
+
+static size_t per_blade(const struct em_scene *scene) {
+  return em_scene_blade_count(scene);
+}
+
+/* ---------------------------------------------------------------- what they are */
+
+static const struct em_tally *tally(const struct em_observe_state *state) {
+  return em_world_tally(state->world);
+}
+
+static void kinetic_energy(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->energy.kinetic;
+}
+
+static void spin_energy(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->energy.spin;
+}
+
+static void potential_energy(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->energy.potential;
+}
+
+static void median_speed(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->median_speed;
+}
+
+static void mean_speed(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->mean_speed;
+}
+
+static void collisions(const struct em_observe_state *state, void *cells) {
+  memcpy(cells, tally(state)->collisions, sizeof tally(state)->collisions);
+}
+
+static void dissipated_energy(const struct em_observe_state *state, void *cells) {
+  memcpy(cells, tally(state)->lost, sizeof tally(state)->lost);
+}
+
+static void collision_energy(const struct em_observe_state *state, void *cells) {
+  memcpy(cells, tally(state)->collision_energy, sizeof tally(state)->collision_energy);
+}
+
+static void blade_work(const struct em_observe_state *state, void *cells) {
+  for (size_t k = 0; k < em_world_blade_count(state->world); k++)
+    ((double *)cells)[k] = em_world_blade_tally(state->world, k)->work;
+}
+
+static void blade_angular_impulse(const struct em_observe_state *state, void *cells) {
+  for (size_t k = 0; k < em_world_blade_count(state->world); k++)
+    ((double *)cells)[k] = em_world_blade_tally(state->world, k)->angular_impulse;
+}
+
+/* The mean over the interval: difference of the angular impulse by time. */
+static void blade_torque(const struct em_observe_state *state, void *cells) {
+  for (size_t k = 0; k < em_world_blade_count(state->world); k++) {
+    const double now = em_world_blade_tally(state->world, k)->angular_impulse;
+    const double before = state->impulse_before[k];
+    ((double *)cells)[k] = state->interval > 0.0 ? (now - before) / state->interval : 0.0;
+  }
+}
+
+static void blade_contacts(const struct em_observe_state *state, void *cells) {
+  for (size_t k = 0; k < em_world_blade_count(state->world); k++)
+    ((uint64_t *)cells)[k] = em_world_blade_tally(state->world, k)->contacts;
+}
+
+static void drum_work(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = tally(state)->drum_work;
+}
+
+static void tc_contacts(const struct em_observe_state *state, void *cells) {
+  *(uint64_t *)cells = tally(state)->tc;
+}
+
+static void elastic_contacts(const struct em_observe_state *state, void *cells) {
+  *(uint64_t *)cells = tally(state)->elastic;
+}
+
+static void jam_contacts(const struct em_observe_state *state, void *cells) {
+  *(uint64_t *)cells = tally(state)->jam;
+}
+
+const struct em_observable em_observe_list[] = {
+    {"kinetic_energy", "J", false, false, always, kinetic_energy},
+    {"spin_energy", "J", false, false, with_spin, spin_energy},
+    {"potential_energy", "J", false, false, with_gravity, potential_energy},
+    {"median_speed", "m s-1", false, false, always, median_speed},
+    {"mean_speed", "m s-1", false, false, always, mean_speed},
+    {"collisions", NULL, true, true, per_class, collisions},
+    {"dissipated_energy", "J", false, true, per_class, dissipated_energy},
+    {"collision_energy", "J", false, true, per_class, collision_energy},
+    {"blade_work", "J", false, true, per_blade, blade_work},
+    {"blade_angular_impulse", "N m s", false, true, per_blade, blade_angular_impulse},
+    {"blade_torque", "N m", false, true, per_blade, blade_torque},
+    {"blade_contacts", NULL, true, true, per_blade, blade_contacts},
+    {"drum_work", "J", false, false, with_turning, drum_work},
+    {"tc_contacts", NULL, true, false, with_tc, tc_contacts},
+    {"elastic_contacts", NULL, true, false, with_elastic, elastic_contacts},
+    {"jam_contacts", NULL, true, false, with_jam, jam_contacts},
+};
+const size_t em_observe_count = sizeof em_observe_list / sizeof em_observe_list[0];
+
+/* ---------------------------------------------------------------- their ingredients */
+
+/* Moves the k-th smallest to place k, smaller ones before it, larger ones behind (Hoare). */
+static void select_kth(double *x, size_t count, size_t k) {
+  size_t low = 0, high = count - 1;
+  while (low < high) {
+    const double pivot = x[k];
+    size_t i = low, j = high;
+    while (i <= j) {
+      while (x[i] < pivot)
+        i++;
+      while (pivot < x[j])
+        j--;
+      if (i <= j) {
+        const double swap = x[i];
+        x[i++] = x[j];
+        x[j] = swap;
+        if (j == 0)
+          break;
+        j--;
+      }
+    }
+    if (j < k)
+      low = i;
+    if (k < i)
+      high = j;
+  }
+}
+
+double em_observe_median(double *numbers, size_t count) {
+  if (count == 0)
+    return NAN;
+  const size_t middle = count / 2;
+  select_kth(numbers, count, middle);
+  if (count % 2)
+    return numbers[middle];
+  double below = numbers[0];
+  for (size_t i = 1; i < middle; i++)
+    below = numbers[i] > below ? numbers[i] : below;
+  return 0.5 * (below + numbers[middle]);
+}
+
+void em_observe_balls(struct em_observe_state *state, const struct em_balls *balls, double *speeds) {
+  double sum = 0.0;
+  for (size_t i = 0; i < balls->count; i++) {
+    speeds[i] = em_vec_norm(balls->velocity[i]);
+    sum += speeds[i];
+  }
+  state->mean_speed = balls->count ? sum / (double)balls->count : NAN;
+  state->median_speed = em_observe_median(speeds, balls->count);
+  state->energy = em_world_energy(state->world, balls);
+}
+
+double em_observe_work(const struct em_world *world) {
+  double work = em_world_tally(world)->drum_work;
+  for (size_t k = 0; k < em_world_blade_count(world); k++)
+    work += em_world_blade_tally(world, k)->work;
+  return work;
+}
+
+double em_observe_lost(const struct em_world *world) {
+  double lost = 0.0;
+  for (int c = 0; c < EM_CLASS_COUNT; c++)
+    lost += em_world_tally(world)->lost[c];
+  return lost;
+}

@@ -1,0 +1,498 @@
+/* Runs a scene and records it: leads the world from sampling time to sampling time. */
+#include "eventmill/recorder.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "record/provenance.h"
+#include "record/summary.h"
+#include "record/writer.h"
+
+/* Collisions between two looks at the clock; share of the time that checkpoints may take. */
+enum { CHUNK = 10000 };
+static const double CHECKPOINT_SHARE = 0.1;
+
+struct recorder {
+  const struct em_scene *scene;
+  const struct em_recorder_options *options;
+  struct em_world *world;
+  struct em_writer *writer; /* NULL: no file */
+  struct em_balls *balls;   /* room for a state */
+  double *speeds, *impulse; /* room; angular impulses at the sample before */
+  double sample_before;     /* s, time of that sample */
+  uint64_t frames, samples, blocks; /* index of the next one of each */
+  uint64_t *block_base, *block;     /* counts at the block's start; room for a block */
+  struct em_run_state state;
+  struct em_run_session session;
+  struct em_summary_part part;
+  bool resumed, finished;
+  double begun, flushed, flush_cost; /* s, wall clock */
+  uint64_t at_begin;                 /* collisions */
+};
+
+enum { COUNTS = EM_CLASS_COUNT * EM_TALLY_BINS };
+
+static double wall_clock(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static enum em_status no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+}
+
+/* ---------------------------------------------------------------- sampling */
+
+/* Time of sample k; rates of 0 never sample. */
+static double time_of(uint64_t k, double rate) {
+  return rate > 0.0 ? (double)k / rate : INFINITY;
+}
+
+static void look(struct recorder *r, struct em_observe_state *state, double time) {
+  *state = (struct em_observe_state){.world = r->world, .time = time};
+  em_world_state(r->world, time, r->balls);
+  em_observe_balls(state, r->balls, r->speeds);
+  state->interval = r->samples ? time - r->sample_before : 0.0;
+  state->impulse_before = r->impulse;
+}
+
+static enum em_status sample(struct recorder *r, double time, struct em_error *err) {
+  struct em_observe_state state;
+  look(r, &state, time);
+  enum em_status status = EM_OK;
+  if (r->writer)
+    status = em_writer_sample(r->writer, &state, err);
+  for (size_t k = 0; k < em_world_blade_count(r->world); k++)
+    r->impulse[k] = em_world_blade_tally(r->world, k)->angular_impulse;
+  r->sample_before = time;
+  r->samples++;
+  if (!status &&
+      !em_summary_sample(&r->part, time, state.median_speed, em_observe_work(r->world)))
+    status = no_memory(err);
+  return status;
+}
+
+static enum em_status frame(struct recorder *r, double time, struct em_error *err) {
+  r->frames++;
+  if (!r->writer)
+    return EM_OK;
+  em_world_state(r->world, time, r->balls);
+  return em_writer_frame(r->writer, time, r->balls, err);
+}
+
+/* The counts since the block began, into r->block. An open block goes to the file alone. */
+static enum em_status block(struct recorder *r, double time, bool open, struct em_error *err) {
+  const uint64_t *now = &em_world_tally(r->world)->vn[0][0];
+  const double start = r->blocks ? time_of(r->blocks, r->scene->record.histograms) : 0.0;
+  if (open && !(time > start))
+    return EM_OK;
+  for (size_t i = 0; i < COUNTS; i++)
+    r->block[i] = now[i] - r->block_base[i];
+  if (!open) {
+    memcpy(r->block_base, now, COUNTS * sizeof *now);
+    em_summary_block(&r->part, start, time, r->block);
+    r->blocks++;
+  }
+  return r->writer ? em_writer_block(r->writer, start, time, open, r->block, err) : EM_OK;
+}
+
+/* ---------------------------------------------------------------- flushing */
+
+static enum em_status flush(struct recorder *r, bool last, struct em_error *err) {
+  r->state.time = em_world_time(r->world);
+  r->state.collisions = em_world_collisions(r->world);
+  if (!r->writer)
+    return EM_OK;
+  const double start = wall_clock();
+  struct em_writer_flush what = {.state = r->state, .last = last};
+  struct em_snapshot *snapshot = NULL;
+  enum em_status status = block(r, r->state.time, true, err);
+  if (!status)
+    status = em_world_snapshot(r->world, &snapshot, err);
+  if (!status) {
+    em_provenance_update(&r->session, start - r->begun, r->state.time);
+    what.session = r->session;
+    what.snapshot = snapshot;
+    status = em_writer_flush(r->writer, &what, err);
+  }
+  em_world_snapshot_free(snapshot);
+  r->flushed = wall_clock();
+  r->flush_cost = r->flushed - start;
+  return status;
+}
+
+static bool is_flush_due(const struct recorder *r, double now) {
+  const double asked = r->scene->record.checkpoint;
+  const double least = asked > 0.0 ? r->flush_cost / CHECKPOINT_SHARE : 0.0;
+  return now - r->flushed >= fmax(asked, least);
+}
+
+/* ---------------------------------------------------------------- running */
+
+static void observe(void *self, const struct em_contact *contact) {
+  em_writer_contact(((struct recorder *)self)->writer, contact);
+}
+
+static enum em_status begin_observing(struct recorder *r, struct em_error *err) {
+  const struct em_observer observer = {.self = r, .contact = observe};
+  if (!r->writer || !r->scene->record.collisions)
+    return EM_OK;
+  return em_world_observe(r->world, &observer) ? no_memory(err) : EM_OK;
+}
+
+static void tell(struct recorder *r, double now) {
+  const struct em_recorder_progress progress = {
+      .time = em_world_time(r->world),
+      .from = r->session.from,
+      .duration = r->scene->duration,
+      .wall = now - r->begun,
+      .collisions = em_world_collisions(r->world),
+      .at_begin = r->at_begin,
+  };
+  if (r->options->progress)
+    r->options->progress(r->options->self, &progress);
+}
+
+/* Works off the events up to `until`; looks at the clock in between. */
+static enum em_status advance(struct recorder *r, double until, struct em_error *err) {
+  for (;;) {
+    const uint64_t before = em_world_collisions(r->world);
+    const enum em_status status =
+        em_world_run_collisions(r->world, until, CHUNK, r->options->stop, err);
+    if (status)
+      return status;
+    if (r->writer && em_writer_has_failed(r->writer))
+      return flush(r, false, err);
+    const double now = wall_clock();
+    tell(r, now);
+    const bool arrived = em_world_collisions(r->world) - before < CHUNK;
+    if (r->writer && is_flush_due(r, now)) {
+      const enum em_status flushed = flush(r, false, err);
+      if (flushed)
+        return flushed;
+    }
+    if (arrived)
+      return EM_OK;
+  }
+}
+
+/* All samples whose time has come. */
+static enum em_status take_samples(struct recorder *r, double time, struct em_error *err) {
+  const struct em_recording *record = &r->scene->record;
+  enum em_status status = EM_OK;
+  if (time_of(r->frames, record->frames) <= time)
+    status = frame(r, time, err);
+  if (!status && time_of(r->samples, record->observables) <= time)
+    status = sample(r, time, err);
+  if (!status && time_of(r->blocks + 1, record->histograms) <= time)
+    status = block(r, time, false, err);
+  return status;
+}
+
+static double next_time(const struct recorder *r) {
+  const struct em_recording *record = &r->scene->record;
+  double next = fmin(r->scene->duration, time_of(r->frames, record->frames));
+  next = fmin(next, time_of(r->samples, record->observables));
+  return fmin(next, time_of(r->blocks + 1, record->histograms));
+}
+
+static enum em_status run(struct recorder *r, struct em_error *err) {
+  double time = 0.0;
+  enum em_status status = EM_OK;
+  do {
+    time = next_time(r);
+    status = advance(r, time, err);
+    if (!status)
+      status = take_samples(r, time, err);
+  } while (!status && time < r->scene->duration);
+  return status;
+}
+
+/* Why it ended; failures of the file itself cannot be stored in it. */
+static enum em_status conclude(struct recorder *r, enum em_status status, struct em_error *err) {
+  r->state.end = status == EM_OK         ? EM_END_DONE
+                 : status == EM_STOPPED  ? EM_END_INTERRUPTED
+                 : status == EM_COLLAPSE ? EM_END_COLLAPSE
+                 : status == EM_JAM      ? EM_END_JAM
+                                         : EM_END_FAILED;
+  if (status == EM_FILE)
+    return status;
+  if (r->state.end > EM_END_INTERRUPTED && err)
+    snprintf(r->state.message, sizeof r->state.message, "%.1000s", err->text);
+  struct em_error inner = {0};
+  const enum em_status stored = flush(r, true, &inner);
+  if (!stored)
+    return status;
+  if (err)
+    *err = inner;
+  return stored;
+}
+
+/* ---------------------------------------------------------------- starting */
+
+static enum em_status make_room(struct recorder *r, struct em_error *err) {
+  const size_t balls = em_scene_ball_count(r->scene), blades = em_scene_blade_count(r->scene);
+  r->balls = em_start_new(balls);
+  r->speeds = calloc(balls + 1, sizeof *r->speeds);
+  r->impulse = calloc(blades + 1, sizeof *r->impulse);
+  r->block_base = calloc(COUNTS, sizeof *r->block_base);
+  r->block = calloc(COUNTS, sizeof *r->block);
+  if (!r->balls || !r->speeds || !r->impulse || !r->block_base || !r->block ||
+      !em_summary_begin(&r->part, r->scene->duration))
+    return no_memory(err);
+  return EM_OK;
+}
+
+static void clear(struct recorder *r) {
+  em_writer_free(r->writer);
+  em_world_free(r->world);
+  em_start_free(r->balls);
+  em_summary_end(&r->part);
+  free(r->speeds);
+  free(r->impulse);
+  free(r->block_base);
+  free(r->block);
+}
+
+/* The last frame of the run file from which a species starts, or NULL. */
+static enum em_status previous_run(const struct em_scene *scene, struct em_balls **balls,
+                                   struct em_error *err) {
+  *balls = NULL;
+  for (size_t i = 0; i < scene->species_count; i++)
+    if (scene->species[i].start == EM_START_RUN)
+      return em_run_file_last(scene->species[i].from, balls, err);
+  return EM_OK;
+}
+
+static void remember_start(struct recorder *r) {
+  struct em_observe_state state;
+  look(r, &state, 0.0);
+  const struct em_energy *e = &state.energy;
+  r->state.kinetic_start = e->kinetic + e->spin;
+  r->state.potential_start = e->potential;
+  r->state.energy_start = r->state.kinetic_start + e->potential;
+}
+
+static enum em_status create_file(struct recorder *r, const struct em_balls *start,
+                                  struct em_error *err) {
+  struct em_snapshot *snapshot = NULL;
+  enum em_status status = em_world_snapshot(r->world, &snapshot, err);
+  if (!status)
+    status = em_writer_new(&r->writer, r->options->path, r->scene, start, snapshot, err);
+  em_world_snapshot_free(snapshot);
+  return status;
+}
+
+static enum em_status start_new(struct recorder *r, struct em_error *err) {
+  struct em_balls *previous = NULL, *start = NULL;
+  enum em_status status = previous_run(r->scene, &previous, err);
+  if (!status)
+    status = em_start_make(&start, r->scene, previous, err);
+  if (!status)
+    status = em_world_new(&r->world, r->scene, start, err);
+  if (!status)
+    remember_start(r);
+  em_provenance_begin(&r->session, r->options->command, 0.0);
+  if (!status && r->options->path)
+    status = create_file(r, start, err);
+  em_start_free(previous);
+  em_start_free(start);
+  return status;
+}
+
+/* ---------------------------------------------------------------- resuming */
+
+/* The stored scene with the new duration must read as the new scene does. */
+static enum em_status compare_scenes(const struct recorder *r, const struct em_run_file *file,
+                                     struct em_error *err) {
+  char duration[64];
+  snprintf(duration, sizeof duration, "duration=%.17g", r->scene->duration);
+  const char *overrides[1] = {duration};
+  struct em_scene *stored = NULL;
+  enum em_status status = em_scene_parse(&stored, em_run_file_scene_text(file),
+                                         em_run_file_path(file), 1, overrides, err);
+  if (status)
+    return status;
+  char *a = em_scene_text(stored), *b = em_scene_text(r->scene);
+  em_scene_free(stored);
+  if (!a || !b)
+    status = no_memory(err);
+  else if (strcmp(a, b) != 0)
+    status = em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
+                          "was made from another scene; only the duration may change on resuming");
+  free(a);
+  free(b);
+  return status;
+}
+
+static enum em_status reload_samples(struct recorder *r, const struct em_run_file *file,
+                                     struct em_error *err) {
+  struct em_series *median = NULL, *work = NULL, *impulse = NULL, *drum = NULL;
+  if (!(r->scene->record.observables > 0.0))
+    return EM_OK;
+  enum em_status status = em_run_file_series(file, "median_speed", &median, err);
+  if (!status && em_run_file_has(file, "blade_work"))
+    status = em_run_file_series(file, "blade_work", &work, err);
+  if (!status && em_run_file_has(file, "blade_angular_impulse"))
+    status = em_run_file_series(file, "blade_angular_impulse", &impulse, err);
+  if (!status && em_run_file_has(file, "drum_work"))
+    status = em_run_file_series(file, "drum_work", &drum, err);
+  for (size_t i = 0; !status && i < median->count; i++) {
+    double sum = drum && i < drum->count ? drum->value[i] : 0.0;
+    for (size_t k = 0; work && i < work->count && k < work->width; k++)
+      sum += work->value[i * work->width + k];
+    if (!em_summary_sample(&r->part, median->time[i], median->value[i], sum))
+      status = no_memory(err);
+  }
+  if (!status && median->count) {
+    r->samples = median->count;
+    r->sample_before = median->time[median->count - 1];
+    for (size_t k = 0; impulse && impulse->count && k < em_scene_blade_count(r->scene) &&
+                       k < impulse->width;
+         k++)
+      r->impulse[k] = impulse->value[(impulse->count - 1) * impulse->width + k];
+  }
+  em_run_file_series_free(median);
+  em_run_file_series_free(work);
+  em_run_file_series_free(impulse);
+  em_run_file_series_free(drum);
+  return status;
+}
+
+/* Complete blocks add up to the counts with which the next one begins. */
+static enum em_status reload_blocks(struct recorder *r, const struct em_run_file *file,
+                                    struct em_error *err) {
+  if (em_run_file_bins(file) != EM_TALLY_BINS)
+    return em_error_set(err, EM_FORMAT, em_run_file_path(file), 0, "has other histogram bins");
+  enum em_status status = EM_OK;
+  r->blocks = em_writer_blocks(r->writer);
+  for (size_t k = 0; k < r->blocks && !status; k++) {
+    status = em_run_file_block(file, k, r->block, err);
+    for (size_t i = 0; i < COUNTS && !status; i++)
+      r->block_base[i] += r->block[i];
+    if (!status)
+      em_summary_block(&r->part, em_run_file_block_start(file, k), em_run_file_block_end(file, k),
+                       r->block);
+  }
+  return status;
+}
+
+static enum em_status reload_world(struct recorder *r, const struct em_run_file *file,
+                                   struct em_error *err) {
+  struct em_snapshot *snapshot = NULL;
+  enum em_status status = em_run_file_checkpoint(file, &snapshot, err);
+  if (!status)
+    status = em_world_resume(&r->world, r->scene, snapshot, err);
+  em_world_snapshot_free(snapshot);
+  return status;
+}
+
+static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
+                            struct em_error *err) {
+  r->state = *em_run_file_state(file);
+  enum em_status status = compare_scenes(r, file, err);
+  if (status)
+    return status;
+  if (r->scene->duration < r->state.time)
+    return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
+                        "has gone to %g s already, beyond the duration of %g s", r->state.time,
+                        r->scene->duration);
+  r->finished = r->state.end == EM_END_DONE && r->scene->duration <= r->state.time;
+  status = reload_world(r, file, err);
+  if (!status)
+    status = em_writer_resume(&r->writer, r->options->path, r->scene, err);
+  if (!status)
+    status = reload_samples(r, file, err);
+  if (!status)
+    status = reload_blocks(r, file, err);
+  if (status)
+    return status;
+  r->frames = em_writer_frames(r->writer);
+  r->samples = em_writer_samples(r->writer);
+  em_provenance_begin(&r->session, r->options->command, em_world_time(r->world));
+  return EM_OK;
+}
+
+static enum em_status start_again(struct recorder *r, struct em_error *err) {
+  struct em_run_file *file = NULL;
+  enum em_status status = em_run_file_open(&file, r->options->path, err);
+  r->resumed = true;
+  if (!status)
+    status = go_on(r, file, err);
+  em_run_file_close(file);
+  return status;
+}
+
+/* ---------------------------------------------------------------- all of it */
+
+static void summarize(struct recorder *r, struct em_summary *summary) {
+  struct em_observe_state now;
+  r->state.time = em_world_time(r->world);
+  look(r, &now, r->state.time);
+  const double wall = wall_clock() - r->begun;
+  em_summary_fill(summary, &r->part, r->scene, r->world, &r->state, &now);
+  summary->resumed = r->resumed;
+  summary->wall_time = wall;
+  const uint64_t done = summary->collisions - r->at_begin;
+  summary->collisions_per_second = wall > 0.0 ? (double)done / wall : NAN;
+  summary->realtime_factor = wall > 0.0 ? (summary->simulated_time - r->session.from) / wall : NAN;
+}
+
+static enum em_status start(struct recorder *r, struct em_error *err) {
+  const struct em_recorder_options *o = r->options;
+  struct stat info;
+  const bool exists = o->path && stat(o->path, &info) == 0;
+  if (exists && !o->resume && !o->force)
+    return em_error_set(err, EM_INPUT, o->path, 0,
+                        "exists already: resume it, or force its replacement");
+  const enum em_status status = make_room(r, err);
+  if (status)
+    return status;
+  return exists && o->resume ? start_again(r, err) : start_new(r, err);
+}
+
+enum em_status em_recorder_run(const struct em_scene *scene,
+                               const struct em_recorder_options *options,
+                               struct em_summary *summary, bool *created, struct em_error *err) {
+  struct recorder r = {.scene = scene, .options = options};
+  enum em_status status = start(&r, err);
+  if (!status)
+    status = begin_observing(&r, err);
+  if (!status) {
+    r.begun = wall_clock();
+    r.at_begin = em_world_collisions(r.world);
+    r.state.end = EM_END_RUNNING;
+    r.state.message[0] = '\0';
+    if (!r.finished) {
+      status = flush(&r, false, err);
+      if (!status)
+        status = run(&r, err);
+      status = conclude(&r, status, err);
+    } else {
+      r.state.end = EM_END_DONE;
+    }
+    if (summary)
+      summarize(&r, summary);
+  }
+  if (created)
+    *created = r.resumed || (r.writer && em_writer_is_published(r.writer));
+  clear(&r);
+  return status;
+}
+
+void em_recorder_default_path(const struct em_scene *scene, char *path, size_t size) {
+  const char *name = strrchr(scene->file, '/');
+  name = name ? name + 1 : scene->file;
+  size_t length = strlen(name);
+  if (length > 4 && strcmp(name + length - 4, ".cfg") == 0)
+    length -= 4;
+  if (length == 0)
+    snprintf(path, size, "run.h5");
+  else
+    snprintf(path, size, "%.*s.h5", (int)length, name);
+}
