@@ -1,6 +1,7 @@
 /* When a ball in free flight first touches a plane or the inside of a drum. */
 #include "eventmill/surface.h"
 
+#include <float.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -106,32 +107,47 @@ static double safe(const double *q, int degree, double guess, double horizon) {
   return em_poly_first_rise(q, degree);
 }
 
-/* The first rise of q by closed form and one Newton step. Where the ends of the polynomial are both
- * small, the closed forms lose more than half of the digits: brackets instead. */
+/* One Newton step for q from x; INFINITY where q falls. */
+static double newton(const double *q, int degree, double x) {
+  double slope = 0.0, value = q[degree];
+  for (int k = degree - 1; k >= 0; k--) {
+    slope = slope * x + value;
+    value = value * x + q[k];
+  }
+  return slope > 0.0 ? fmax(x - value / slope, 0.0) : INFINITY;
+}
+
+/* Is q(x) zero up to rounding? */
+static bool is_root(const double *q, int degree, double x) {
+  double value = q[degree], size = fabs(value);
+  for (int k = degree - 1; k >= 0; k--) {
+    value = value * x + q[k];
+    size = size * x + fabs(q[k]);
+  }
+  return fabs(value) <= 4.0 * DBL_EPSILON * size;
+}
+
+/* The first rise of q by closed form and one Newton step. Where both ends of the polynomial are
+ * small, or roots close together, closed forms lose half of the digits or more: brackets then. */
 static double ferrari(const double *q, int degree, double guess) {
-  double low = fabs(q[0]), high = fabs(q[degree]), middle = 0.0, scale = 1.0;
+  double high = fabs(q[degree]), middle = 0.0, scale = 1.0;
   for (int k = 1; k < degree; k++) {
     scale *= guess;
     middle = fmax(middle, fabs(q[k]) * scale);
   }
   high *= scale * guess;
-  if (fmax(low, high) < 1e-3 * middle) return em_poly_first_rise(q, degree);
+  if (fmax(fabs(q[0]), high) < 1e-3 * middle) return em_poly_first_rise(q, degree);
   double a[5], root[4];
-  const bool turn = low > high;
+  const bool turn = fabs(q[0]) > high;
   for (int k = 0; k <= degree; k++) a[k] = turn ? q[degree - k] : q[k];
   const int count = degree == 4 ? em_poly_quartic(a, root) : em_poly_cubic(a, root);
   double best = INFINITY;
   for (int k = 0; k < count; k++) {
     const double x = turn ? 1.0 / root[k] : root[k];
-    if (!(x > 0.0) || x > best) continue;
-    double slope = 0.0, value = q[degree];
-    for (int i = degree - 1; i >= 0; i--) {
-      slope = slope * x + value;
-      value = value * x + q[i];
-    }
-    if (slope > 0.0) best = fmax(x - value / slope, 0.0);
+    if (x > 0.0 && x < best) best = fmin(best, newton(q, degree, x));
   }
-  return best < INFINITY ? best : em_poly_first_rise(q, degree);
+  const bool sound = best < INFINITY && is_root(q, degree, best);
+  return sound ? best : em_poly_first_rise(q, degree);
 }
 
 static double solve(const double *q, int degree, double guess, enum em_quartic solver,
