@@ -10,7 +10,7 @@
 
 struct em_queue; /* opaque; each kind has its own */
 
-enum { EM_QUEUE_NOBODY = UINT32_MAX };
+#define EM_QUEUE_NOBODY UINT32_MAX
 
 /* An exchangeable global list. Times never lie before that of the last `first`, except after `clear`. */
 struct em_queue_kind {
