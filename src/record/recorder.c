@@ -30,6 +30,7 @@ struct recorder {
   struct em_run_session session;
   struct em_summary_part part;
   bool resumed, finished;
+  double reached;                    /* s: the last sampling time that the world arrived at */
   double begun, flushed, flush_cost; /* s, wall clock */
   uint64_t at_begin;                 /* collisions */
 };
@@ -103,8 +104,14 @@ static enum em_status block(struct recorder *r, double time, bool open, struct e
 
 /* ---------------------------------------------------------------- flushing */
 
+/* The world's clock counts from its epoch: at a sampling time it may be a rounding error away. */
+static double time_now(const struct recorder *r) {
+  const double time = em_world_time(r->world);
+  return fabs(time - r->reached) <= 1e-14 * r->reached ? r->reached : time;
+}
+
 static enum em_status flush(struct recorder *r, bool last, struct em_error *err) {
-  r->state.time = em_world_time(r->world);
+  r->state.time = time_now(r);
   r->state.collisions = em_world_collisions(r->world);
   if (!r->writer)
     return EM_OK;
@@ -169,15 +176,17 @@ static enum em_status advance(struct recorder *r, double until, struct em_error 
     if (r->writer && em_writer_has_failed(r->writer))
       return flush(r, false, err);
     const double now = wall_clock();
-    tell(r, now);
     const bool arrived = em_world_collisions(r->world) - before < CHUNK;
+    tell(r, now);
     if (r->writer && is_flush_due(r, now)) {
       const enum em_status flushed = flush(r, false, err);
       if (flushed)
         return flushed;
     }
-    if (arrived)
+    if (arrived) {
+      r->reached = until;
       return EM_OK;
+    }
   }
 }
 
@@ -414,7 +423,8 @@ static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
     return status;
   r->frames = em_writer_frames(r->writer);
   r->samples = em_writer_samples(r->writer);
-  em_provenance_begin(&r->session, r->options->command, em_world_time(r->world));
+  r->reached = r->state.time;
+  em_provenance_begin(&r->session, r->options->command, r->state.time);
   return EM_OK;
 }
 
@@ -432,7 +442,7 @@ static enum em_status start_again(struct recorder *r, struct em_error *err) {
 
 static void summarize(struct recorder *r, struct em_summary *summary) {
   struct em_observe_state now;
-  r->state.time = em_world_time(r->world);
+  r->state.time = time_now(r);
   look(r, &now, r->state.time);
   const double wall = wall_clock() - r->begun;
   em_summary_fill(summary, &r->part, r->scene, r->world, &r->state, &now);

@@ -116,17 +116,14 @@ static bool create_box(hid_t file, const struct em_scene *scene) {
                       &low);
 }
 
+/* A time-dependent element that shares step and time with another one. */
 static bool create_element(hid_t file, const char *path, const struct em_log *step,
                            const struct em_log *time) {
-  char to[160];
-  snprintf(to, sizeof to, "%s/step", path);
-  bool good = em_h5_group(file, path);
-  if (!em_h5_exists(file, to))
-    good = good && em_h5_link(file, step->path, to);
-  snprintf(to, sizeof to, "%s/time", path);
-  if (!em_h5_exists(file, to))
-    good = good && em_h5_link(file, time->path, to);
-  return good;
+  char to_step[160], to_time[160];
+  snprintf(to_step, sizeof to_step, "%s/step", path);
+  snprintf(to_time, sizeof to_time, "%s/time", path);
+  return em_h5_group(file, path) && em_h5_link(file, step->path, to_step) &&
+         em_h5_link(file, time->path, to_time);
 }
 
 static bool create_frames(const struct em_writer *w) {
@@ -166,12 +163,12 @@ static bool create_observables(const struct em_writer *w) {
     if (!w->has_observable[i])
       continue;
     snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s", o->name);
-    good = em_h5_group(w->file, path);
     if (i == 0)
-      good = good && em_log_create(&w->sample_step, w->file, 0, NULL) &&
+      good = em_h5_group(w->file, path) && em_log_create(&w->sample_step, w->file, 0, NULL) &&
              em_log_create(&w->sample_time, w->file, 0, "s");
-    good = good && (i == 0 || create_element(w->file, path, &w->sample_step, &w->sample_time)) &&
-           em_log_create(&w->observable[i], w->file, 0, o->unit);
+    else
+      good = create_element(w->file, path, &w->sample_step, &w->sample_time);
+    good = good && em_log_create(&w->observable[i], w->file, 0, o->unit);
   }
   return good;
 }

@@ -1,0 +1,50 @@
+/* The commands of mill, and what they share: exit codes, command lines, messages. */
+#ifndef EVENTMILL_MILL_H
+#define EVENTMILL_MILL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "eventmill/error.h"
+#include "eventmill/recorder.h"
+#include "eventmill/scene.h"
+
+/* Exit codes. */
+enum { EM_MILL_DONE = 0, EM_MILL_FAILED = 1, EM_MILL_USAGE = 2 };
+
+/* Each takes its own name as argv[0] and returns an exit code. */
+int em_mill_run(int argc, char **argv);
+int em_mill_check(int argc, char **argv);
+
+/* What a command line says. */
+struct em_mill_options {
+  const char *scene;
+  size_t override_count;
+  const char **overrides; /* owned; "KEY=VALUE" */
+  const char *out;        /* -o, or NULL */
+  bool resume, force, quiet, json;
+};
+
+/* Which options a command takes, and what its --help says. */
+struct em_mill_help {
+  const char *name;
+  const char *takes; /* letters of the options beside -h: o, r(esume), f(orce), q(uiet), j(son) */
+  const char *text;
+};
+
+/* Reads a command line "SCENE [KEY=VALUE ...] [options]". Returns -1 to go on, or the exit code (help
+ * was printed, or a message). The caller frees options->overrides. */
+int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
+                    char **argv);
+
+/* Reads the scene; prints its errors. Returns -1, or the exit code. */
+int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
+
+/* Prints the error's text to stderr. */
+void em_mill_complain(const struct em_error *err);
+
+/* The summary of a run, for people and as one JSON object (NAN: null). */
+void em_mill_report_text(const struct em_summary *summary, const struct em_scene *scene);
+void em_mill_report_json(const struct em_summary *summary, const struct em_scene *scene);
+
+#endif

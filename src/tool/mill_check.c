@@ -1,0 +1,77 @@
+/* mill check: validates a scene, and prints it in full with what it calls for. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "eventmill/start.h"
+#include "eventmill/world.h"
+#include "tool/mill.h"
+
+static const struct em_mill_help help = {
+    .name = "check",
+    .takes = "",
+    .text = "Usage: mill check SCENE [KEY=VALUE ...]\n\n"
+            "Validates a scene, places its balls, and prints the scene with all defaults filled in.\n"
+            "What it prints is itself a scene; comments tell the effects that it calls for, the\n"
+            "variant of the event loop that will run it, and the memory that a ball takes.\n\n"
+            "Examples:\n"
+            "  mill check geometries/simoloyer-2l.cfg\n"
+            "  mill check geometries/simoloyer-2l.cfg rotor.rpm=1700 > fast.cfg\n",
+};
+
+static void print_effects(const struct em_scene *scene) {
+  const unsigned effects = em_scene_effects(scene);
+  printf("# effects:");
+  for (int k = 0; k < EM_EFFECT_COUNT; k++)
+    if (effects >> k & 1)
+      printf(" %s", em_scene_effect_name((enum em_effect_bit)k));
+  printf("%s\n", effects ? "" : " none");
+}
+
+/* Makes the balls and the world: what cannot be started is not valid. */
+static enum em_status make_world(const struct em_scene *scene, struct em_world **world,
+                                 struct em_error *err) {
+  struct em_balls *previous = NULL, *balls = NULL;
+  enum em_status status = EM_OK;
+  for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
+    if (scene->species[i].start == EM_START_RUN)
+      status = em_run_file_last(scene->species[i].from, &previous, err);
+  if (!status)
+    status = em_start_make(&balls, scene, previous, err);
+  if (!status)
+    status = em_world_new(world, scene, balls, err);
+  em_start_free(previous);
+  em_start_free(balls);
+  return status;
+}
+
+static int check(const struct em_scene *scene) {
+  struct em_world *world = NULL;
+  struct em_error err = {0};
+  if (make_world(scene, &world, &err)) {
+    em_mill_complain(&err);
+    return err.code == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
+  }
+  print_effects(scene);
+  printf("# loop: %s\n", em_world_variant(world));
+  printf("# balls: %zu, %.0f bytes each\n", em_scene_ball_count(scene),
+         em_world_bytes_per_ball(world));
+  em_world_free(world);
+  if (em_scene_print(scene, stdout) || fflush(stdout)) {
+    fprintf(stderr, "mill check: error: standard output cannot be written\n");
+    return EM_MILL_FAILED;
+  }
+  return EM_MILL_DONE;
+}
+
+int em_mill_check(int argc, char **argv) {
+  struct em_mill_options options;
+  struct em_scene *scene = NULL;
+  int code = em_mill_options(&options, &help, argc, argv);
+  if (code < 0)
+    code = em_mill_scene(&scene, &options);
+  if (code < 0)
+    code = check(scene);
+  em_scene_free(scene);
+  free(options.overrides);
+  return code;
+}

@@ -1,0 +1,95 @@
+/* The command lines of mill. */
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tool/mill.h"
+
+static const struct option known[] = {
+    {"output", required_argument, NULL, 'o'}, {"resume", no_argument, NULL, 'r'},
+    {"force", no_argument, NULL, 'f'},        {"quiet", no_argument, NULL, 'q'},
+    {"json", no_argument, NULL, 'j'},         {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+static int usage(const struct em_mill_help *help, const char *what, const char *word) {
+  fprintf(stderr, "mill %s: error: %s", help->name, what);
+  if (word)
+    fprintf(stderr, " '%s'", word);
+  fprintf(stderr, "\nTry 'mill %s --help'.\n", help->name);
+  return EM_MILL_USAGE;
+}
+
+static void set(struct em_mill_options *options, int letter) {
+  switch (letter) {
+  case 'o':
+    options->out = optarg;
+    break;
+  case 'r':
+    options->resume = true;
+    break;
+  case 'f':
+    options->force = true;
+    break;
+  case 'q':
+    options->quiet = true;
+    break;
+  default:
+    options->json = true;
+  }
+}
+
+static int take_words(struct em_mill_options *options, const struct em_mill_help *help, int count,
+                      char **words) {
+  if (count == 0)
+    return usage(help, "no scene given, expected SCENE [KEY=VALUE ...]", NULL);
+  options->overrides = calloc((size_t)count, sizeof *options->overrides);
+  if (!options->overrides)
+    return usage(help, "out of memory", NULL);
+  for (int i = 0; i < count; i++) {
+    const char *equal = strchr(words[i], '=');
+    if (equal && equal != words[i] && options->scene)
+      options->overrides[options->override_count++] = words[i];
+    else if (!options->scene)
+      options->scene = words[i];
+    else
+      return usage(help, "expected KEY=VALUE, found", words[i]);
+  }
+  return -1;
+}
+
+int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
+                    char **argv) {
+  memset(options, 0, sizeof *options);
+  opterr = 0;
+  optind = 1;
+  for (;;) {
+    const int letter = getopt_long(argc, argv, ":o:rfqjh", known, NULL);
+    if (letter == -1)
+      break;
+    if (letter == 'h') {
+      fputs(help->text, stdout);
+      return EM_MILL_DONE;
+    }
+    if (letter == ':')
+      return usage(help, "a value is missing after", argv[optind - 1]);
+    if (letter == '?' || !strchr(help->takes, letter))
+      return usage(help, "unknown option", argv[optind - 1]);
+    set(options, letter);
+  }
+  return take_words(options, help, argc - optind, argv + optind);
+}
+
+void em_mill_complain(const struct em_error *err) {
+  fprintf(stderr, "%s\n", err->text);
+}
+
+int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options) {
+  struct em_error err = {0};
+  if (em_scene_read(scene, options->scene, options->override_count, options->overrides, &err) ==
+      EM_OK)
+    return -1;
+  em_mill_complain(&err);
+  return err.code == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
+}

@@ -1,0 +1,151 @@
+/* mill run: runs a scene and writes a run file. */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tool/mill.h"
+#include "tool/progress.h"
+
+static const struct em_mill_help help = {
+    .name = "run",
+    .takes = "orfqj",
+    .text =
+        "Usage: mill run SCENE [KEY=VALUE ...] [-o RUN.h5] [OPTION ...]\n\n"
+        "Runs a scene and writes a run file (HDF5). Prints a summary at the end.\n\n"
+        "  -o, --output RUN.h5  the run file; default: the scene's name with .h5, in the current\n"
+        "                       folder. '-o none' writes no file\n"
+        "      --resume         go on from the checkpoint in the run file, bit for bit as if\n"
+        "                       nothing had happened; a longer duration extends a finished run; a\n"
+        "                       file that is not there yet is begun\n"
+        "      --force          replace a run file that exists; without it, that is an error. The\n"
+        "                       old one stays until the new one is complete enough to be resumed\n"
+        "  -j, --json           print the summary as one JSON object, SI units\n"
+        "  -q, --quiet          no progress\n"
+        "  -h, --help           this text\n\n"
+        "The run file is valid at every moment, whatever happens to the program. Ctrl-C ends the\n"
+        "run with a checkpoint (exit code 1); a second one ends it at once. While it runs, a\n"
+        "second copy RUN.h5.next lies beside it; it can be deleted after a crash.\n\n"
+        "Examples:\n"
+        "  mill run geometries/simoloyer-2l.cfg\n"
+        "  mill run geometries/simoloyer-2l.cfg rotor.rpm=1700 duration=0.2 -o fast.h5\n"
+        "  mill run geometries/simoloyer-2l.cfg rotor.rpm=1700 duration=0.5 -o fast.h5 --resume\n"
+        "  mill run geometries/ideal-gas.cfg record.collisions=true --force\n"
+        "  mill run geometries/ideal-gas.cfg -o none --json | jq .collisions_per_second\n",
+};
+
+static volatile sig_atomic_t stop;
+
+static void on_signal(int number) {
+  stop = number;
+}
+
+/* The first signal asks for an end, the second one has its usual effect. A file that grows beyond
+ * its limit shall be an error, not a signal. */
+static void catch_signals(void) {
+  struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  signal(SIGXFSZ, SIG_IGN);
+}
+
+static void show(void *self, const struct em_recorder_progress *now) {
+  const double span = now->duration - now->from, done = now->time - now->from;
+  const struct em_progress_state state = {
+      .fraction = span > 0.0 ? done / span : 1.0,
+      .whole = now->duration > 0.0 ? now->time / now->duration : 1.0,
+      .wall = now->wall,
+  };
+  char text[128];
+  const double rate = now->wall > 0.0 ? (double)(now->collisions - now->at_begin) / now->wall : 0.0;
+  snprintf(text, sizeof text, "%.4g of %.4g s, %.3g collisions/s, %.3g x real time", now->time,
+           now->duration, rate, now->wall > 0.0 ? done / now->wall : 0.0);
+  em_progress_show(self, &state, text);
+}
+
+/* The command line as one text, for the provenance. */
+static char *join(int argc, char **argv) {
+  size_t size = sizeof "mill";
+  for (int i = 0; i < argc; i++)
+    size += strlen(argv[i]) + 1;
+  char *text = malloc(size);
+  if (!text)
+    return NULL;
+  strcpy(text, "mill");
+  for (int i = 0; i < argc; i++) {
+    strcat(text, " ");
+    strcat(text, argv[i]);
+  }
+  return text;
+}
+
+static void advise(const struct em_error *err, const char *path, bool resumable) {
+  em_mill_complain(err);
+  if (path && err->code == EM_INPUT && strstr(err->text, "exists already"))
+    fprintf(stderr, "use --resume or --force, or another name with -o\n");
+  else if (path && resumable)
+    fprintf(stderr, "%s is valid up to its last flush, and can be resumed with --resume\n", path);
+}
+
+static int exit_code(enum em_status status, bool created) {
+  if (status == EM_OK)
+    return EM_MILL_DONE;
+  const bool refused = status == EM_INPUT || status == EM_FILE || status == EM_FORMAT;
+  return refused && !created ? EM_MILL_USAGE : EM_MILL_FAILED;
+}
+
+static int run(const struct em_scene *scene, const struct em_mill_options *options,
+               const char *path, char *command) {
+  struct em_progress *progress = em_progress_new(options->quiet);
+  const struct em_recorder_options record = {
+      .path = path,
+      .resume = options->resume,
+      .force = options->force,
+      .command = command,
+      .stop = &stop,
+      .progress = options->quiet || !progress ? NULL : show,
+      .self = progress,
+  };
+  struct em_summary summary = {0};
+  struct em_error err = {0};
+  bool created = false, begun = false;
+  catch_signals();
+  const enum em_status status = em_recorder_run(scene, &record, &summary, &created, &err);
+  begun = summary.wall_time > 0.0;
+  em_progress_end(progress);
+  if (status == EM_STOPPED && path)
+    fprintf(stderr, "interrupted at %.6g s; %s is valid and can be resumed with --resume\n",
+            summary.simulated_time, path);
+  else if (status)
+    advise(&err, path, created && begun);
+  if (begun && options->json)
+    em_mill_report_json(&summary, scene);
+  else if (begun && !options->quiet)
+    em_mill_report_text(&summary, scene);
+  return exit_code(status, created && begun);
+}
+
+int em_mill_run(int argc, char **argv) {
+  struct em_mill_options options;
+  struct em_scene *scene = NULL;
+  char path[EM_SCENE_PATH];
+  int code = em_mill_options(&options, &help, argc, argv);
+  if (code < 0)
+    code = em_mill_scene(&scene, &options);
+  if (code < 0) {
+    char *command = join(argc, argv);
+    const bool none = options.out && strcmp(options.out, "none") == 0;
+    if (options.out)
+      snprintf(path, sizeof path, "%s", options.out);
+    else
+      em_recorder_default_path(scene, path, sizeof path);
+    if (!options.out && !options.quiet)
+      fprintf(stderr, "writing %s\n", path);
+    code = run(scene, &options, none ? NULL : path, command);
+    free(command);
+  }
+  em_scene_free(scene);
+  free(options.overrides);
+  return code;
+}
