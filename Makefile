@@ -41,8 +41,8 @@ MISSING  := $(shell for p in $(PACKAGES); do pkg-config --exists $$p 2>/dev/null
 CFLAGS   ?=
 CPPFLAGS ?=
 LDFLAGS  ?=
-WARN  := -Wall -Wextra -Wpedantic -Wno-psabi -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes \
-         $(if $(WERROR),-Werror)
+WARN  := -Wall -Wextra -Wpedantic -Wno-psabi -Wshadow -Wconversion -Wstrict-prototypes \
+         -Wmissing-prototypes $(if $(WERROR),-Werror)
 EXACT := -ffp-contract=off -fno-math-errno
 HOUSE := -std=gnu11 -D_GNU_SOURCE $(KIND) $(EXACT) -fPIC -fno-semantic-interposition $(WARN)
 SEEK  := -Iinclude -Isrc -I$(B)
@@ -60,10 +60,14 @@ ALL_CFLAGS = $(HOUSE) $(SEEK) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)
 
 # ---------------------------------------------------------------- what is built from what
 LIB_SRC  := $(sort $(filter-out src/tool/% $(if $(AVX2),,%_avx2.c),$(wildcard src/*/*.c)))
-TOOL_SRC := $(sort $(filter-out src/tool/mill.c src/tool/millpost.c,$(wildcard src/tool/*.c)))
+TOOL_SRC := $(sort $(wildcard src/tool/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
 TOOL_OBJ := $(TOOL_SRC:%.c=$(B)/%.o)
-PROGRAMS := $(patsubst src/tool/%.c,$(B)/%,$(wildcard src/tool/mill.c src/tool/millpost.c))
+# Of src/tool, mill*.c makes mill, millpost*.c makes millpost, and both share the rest.
+POST_OBJ := $(filter $(B)/src/tool/millpost%,$(TOOL_OBJ))
+MILL_OBJ := $(filter-out $(POST_OBJ),$(filter $(B)/src/tool/mill%,$(TOOL_OBJ)))
+BOTH_OBJ := $(filter-out $(POST_OBJ) $(MILL_OBJ),$(TOOL_OBJ))
+PROGRAMS := $(B)/mill $(B)/millpost
 
 STATIC := $(B)/libeventmill.a
 SHARED := $(B)/libeventmill.so
@@ -132,9 +136,12 @@ $(SHARED): $(LIB_OBJ) $(B)/members
 	$(Q)$(CC) $(KIND) -shared -Wl,-soname,libeventmill.so.$(SOMAJOR) $(LDFLAGS) $(LIB_OBJ) \
 	  $(LIBS) -o $@
 
-$(PROGRAMS): $(B)/%: $(B)/src/tool/%.o $(TOOL_OBJ) $(STATIC)
+# A program loads only the libraries that it uses: mill starts without those that draw.
+$(B)/mill: $(MILL_OBJ)
+$(B)/millpost: $(POST_OBJ)
+$(PROGRAMS): $(BOTH_OBJ) $(STATIC)
 	$(call say,LD,$@)
-	$(Q)$(CC) $(KIND) $(LDFLAGS) $< $(TOOL_OBJ) $(STATIC) $(LIBS) -o $@
+	$(Q)$(CC) $(KIND) $(LDFLAGS) -Wl,--as-needed $(filter %.o,$^) $(STATIC) $(LIBS) -o $@
 
 $(TEST_BIN) $(BENCH_BIN): $(B)/%: $(B)/%.o $(SUPPORT_OBJ) $(STATIC)
 	$(call say,LD,$@)
@@ -144,8 +151,7 @@ $(REPLAY_BIN): $(B)/%_replay: $(B)/%.o $(B)/tests/fuzz/replay.o $(STATIC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(KIND) $(LDFLAGS) $^ $(LIBS) -o $@
 
--include $(patsubst %.o,%.d,$(LIB_OBJ) $(TOOL_OBJ) $(PROGRAMS:$(B)/%=$(B)/src/tool/%.o) \
-  $(SUPPORT_OBJ)) $(addsuffix .d,$(TEST_BIN) $(BENCH_BIN) $(FUZZ_BIN)) $(B)/tests/fuzz/replay.d
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(TOOL_OBJ) $(SUPPORT_OBJ)) $(addsuffix .d,$(TEST_BIN) $(BENCH_BIN) $(FUZZ_BIN)) $(B)/tests/fuzz/replay.d
 
 # ---------------------------------------------------------------- tests
 # Tests are built in as many jobs as there are cores, unless the caller chose a number.
