@@ -6,6 +6,8 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "event/partition.h"
+
 void *em_body_array(size_t count, size_t size) {
   const size_t huge = (size_t)1 << 21;
   size_t bytes = count * size;
@@ -33,5 +35,6 @@ bool em_body_next_epoch(struct em_world *w) {
   w->clock -= w->epoch_length;
   w->epoch++;
   w->tally.epochs++;
+  if (w->partition_kind->renew && !w->partition_kind->renew(w)) return false;
   return w->loop->predict_all(w);
 }

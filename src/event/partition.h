@@ -23,6 +23,9 @@ struct em_partition_kind {
    * and returns candidates that may be new (a superset of the new ones is allowed). Valid until the
    * next call. NULL with *count > 0: no memory. */
   const uint32_t *(*cross)(struct em_world *world, uint32_t i, double now, uint32_t *count);
+  /* A new epoch has begun: all times of the world, leave times too, have been moved back by its
+   * length. NULL: nothing to do. Returns false when memory is short. */
+  bool (*renew)(struct em_world *world);
   /* Blades that ball i can meet before it leaves: bit k for blade k, bit 31 for all from 31 on. */
   uint32_t (*blades)(const struct em_world *world, uint32_t i);
   size_t (*bytes)(const struct em_places *places);

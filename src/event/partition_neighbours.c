@@ -1,7 +1,11 @@
 /* Near-neighbour lists: each ball lives in a sphere of its own (its shell) until it leaves it, and
  * its list holds all balls whose shells come so near that the balls could touch. Shells are placed
  * ahead of the moving ball, and their size adapts to how crowded the place is. Cells serve only to
- * find the shells around a new one. */
+ * find the shells around a new one.
+ *
+ * In a drum whose rotor carries the balls round, all shells turn with the balls' mean rotation:
+ * their distances stay as they are, and a ball leaves its shell by what it does beyond the common
+ * turning only. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,6 +57,11 @@ struct em_places {
   uint32_t *held;  /* shells in each cell */
   float *entry;    /* per cell: x[room], y[room], z[room], hull[room] */
   uint32_t *id;    /* per cell: id[room] */
+
+  double omega;    /* rad/s of the shells about the drum's axis */
+  double phase;    /* rad, their angle at the epoch's start */
+  double at, cos, sin; /* of their angle at the time `at` */
+  bool may_turn;
 
   float period[3];
   float slack;
@@ -196,9 +205,60 @@ static double wrapped(double x, double low, double period) {
   return period > 0.0 ? x - period * floor((x - low) / period) : x;
 }
 
+/* Position and velocity of ball i at time t, as seen from the shells. */
+static void seen(const struct em_world *w, struct em_places *p, uint32_t i, double t,
+                 struct em_vec *x, struct em_vec *v) {
+  *x = em_body_at(w, i, t);
+  *v = em_body_velocity(w, i, t);
+  if (p->omega == 0.0) return;
+  if (t != p->at) {
+    const double angle = p->phase + p->omega * t;
+    p->at = t;
+    p->cos = cos(angle);
+    p->sin = sin(angle);
+  }
+  const double c = p->cos, s = p->sin;
+  const double u = v->x - p->omega * x->z, m = v->z + p->omega * x->x;
+  *x = em_vec_make(c * x->x - s * x->z, x->y, s * x->x + c * x->z);
+  *v = em_vec_make(c * u - s * m, v->y, s * u + c * m);
+}
+
+static double nearest(double d, double period) {
+  return period > 0.0 ? d - period * nearbyint(d / period) : d;
+}
+
+/* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
+ * Its straight path may use a part of the skin, what bends the path the rest: gravity, and, seen
+ * from turning shells, |2 Ω × v| + Ω² ρ, all less than `bend`. */
+static double stay(const struct em_world *w, const struct em_places *p, const struct shell *s,
+                   double from, struct em_vec x, struct em_vec v) {
+  const double share = 0.8, skin = (double)s->skin, vv = em_vec_norm2(v);
+  const double turn = fabs(p->omega);
+  double bend = w->fall;
+  if (turn > 0.0)
+    bend += 2.0 * turn * (sqrt(vv) + sqrt(2.0 * (1.0 - share) * skin * w->fall)) +
+            3.0 * turn * turn * w->rho;
+  const double room = bend > 0.0 ? share * skin : 0.999999 * skin;
+  const struct em_vec o = {nearest(x.x - (double)s->x, w->period.x),
+                           nearest(x.y - (double)s->y, w->period.y),
+                           nearest(x.z - (double)s->z, w->period.z)};
+  const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o);
+  double time;
+  if (c <= 0.0) {
+    const double disc = b * b + vv * c;
+    time = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
+  } else {
+    const double root = sqrt(b * b + vv * c);
+    time = b > 0.0 ? c / (b + root) : vv > 0.0 ? (root - b) / vv : INFINITY;
+  }
+  if (bend > 0.0) time = fmin(time, sqrt(2.0 * (1.0 - share) * skin / bend));
+  return from + time;
+}
+
 /* Places the shell of ball i at time `now`, ahead of it in its direction. */
 static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, double now) {
-  const struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
+  struct em_vec x, v;
+  seen(w, p, i, now, &x, &v);
   const double speed2 = em_vec_norm2(v);
   struct shell *s = &p->shell[i];
   const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
@@ -206,9 +266,10 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   s->x = (float)wrapped(c.x, w->low.x, w->period.x);
   s->y = (float)wrapped(c.y, w->low.y, w->period.y);
   s->z = (float)wrapped(c.z, w->low.z, w->period.z);
+  w->leave[i] = stay(w, p, s, now, x, v);
+  if (!p->blades) return;
   const struct em_vec centre = {(double)s->x, (double)s->y, (double)s->z};
-  w->leave[i] = em_partition_stay(w, i, now, centre, (double)s->skin);
-  if (p->blades) p->blades[i] = em_partition_blades(w, centre, w->body[i].radius, (double)s->skin);
+  p->blades[i] = em_partition_blades(w, centre, w->body[i].radius, (double)s->skin);
 }
 
 /* The cells along one axis that a sphere can touch, each with the shift that brings its periodic
@@ -363,9 +424,10 @@ static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *coun
 }
 
 static void moved(struct em_world *w, uint32_t i) {
-  const struct shell *s = &w->places->shell[i];
-  const struct em_vec centre = {(double)s->x, (double)s->y, (double)s->z};
-  w->leave[i] = em_partition_stay(w, i, w->body[i].t, centre, (double)s->skin);
+  struct em_vec x, v;
+  const double t = w->body[i].t;
+  seen(w, w->places, i, t, &x, &v);
+  w->leave[i] = stay(w, w->places, &w->places->shell[i], t, x, v);
 }
 
 static uint32_t blades(const struct em_world *w, uint32_t i) {
@@ -445,12 +507,6 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
 /* Enters the balls one by one; each finds those entered before. */
 static bool fill(struct em_world *w, struct em_places *p) {
   for (uint32_t i = 0; i < w->count; i++) {
-    struct list *l = &p->list[i];
-    p->shell[i].skin = (float)p->skin_most;
-    l->room = LIST_LEAST;
-    if (!list_take(p, l->room, &l->at)) return false;
-  }
-  for (uint32_t i = 0; i < w->count; i++) {
     shell_place(w, p, i, w->clock);
     uint32_t count = 0;
     if (!search(w, p, i, next_stamp(p), &count)) return false;
@@ -459,6 +515,57 @@ static bool fill(struct em_world *w, struct em_places *p) {
     if (!cell_enter(w, p, i)) return false;
   }
   return true;
+}
+
+static bool first_fill(struct em_world *w, struct em_places *p) {
+  for (uint32_t i = 0; i < w->count; i++) {
+    struct list *l = &p->list[i];
+    p->shell[i].skin = (float)p->skin_most;
+    l->room = LIST_LEAST;
+    if (!list_take(p, l->room, &l->at)) return false;
+  }
+  return fill(w, p);
+}
+
+/* Shells can turn with the balls about the drum's axis, as long as that is every blade's axis. */
+static bool may_turn(const struct em_world *w) {
+  if (!w->drum || !w->blade_count) return false;
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    const struct em_blade *b = &w->blade[k].blade;
+    if (fabs(b->axis.y) < 1.0 || b->centre.x != 0.0 || b->centre.z != 0.0) return false;
+  }
+  return true;
+}
+
+/* Angular velocity of the balls' mean rotation about the drum's axis, and what moves beyond it. */
+static double mean_rotation(const struct em_world *w, double *rest) {
+  double momentum = 0.0, inertia = 0.0, square = 0.0;
+  for (uint32_t i = 0; i < w->count; i++) {
+    const struct em_vec x = em_body_at(w, i, w->clock), v = em_body_velocity(w, i, w->clock);
+    momentum += x.z * v.x - x.x * v.z;
+    inertia += x.x * x.x + x.z * x.z;
+    square += em_vec_norm2(v);
+  }
+  const double omega = inertia > 0.0 ? momentum / inertia : 0.0;
+  *rest = w->count ? sqrt(fmax(0.0, square - omega * momentum) / w->count) : 0.0;
+  return omega;
+}
+
+/* At a new epoch: the shells' angle goes on; when the balls turn at another speed by now, all
+ * shells are placed anew. */
+static bool renew(struct em_world *w) {
+  struct em_places *p = w->places;
+  if (!p->may_turn) return true;
+  p->phase = fmod(p->phase + p->omega * w->epoch_length, 2.0 * M_PI);
+  p->at = NAN;
+  double rest;
+  const double omega = mean_rotation(w, &rest);
+  if (fabs(omega - p->omega) * w->rho < 0.25 * rest) return true;
+  p->omega = omega;
+  p->phase = 0.0;
+  memset(p->held, 0, cells(p) * sizeof *p->held);
+  for (uint32_t i = 0; i < w->count; i++) p->list[i].count = 0;
+  return fill(w, p);
 }
 
 static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
@@ -476,12 +583,18 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return status;
   }
   p->skin_least = 0.2 * p->skin_most;
-  p->ahead = 0.5;
-  p->few = 8;
-  p->many = 20;
+  p->ahead = 0.7;
+  p->few = 10;
+  p->many = 24;
   set_cells(w, p);
   w->places = p;
-  if (!take_arrays(w, p) || !fill(w, p)) {
+  p->may_turn = may_turn(w);
+  p->at = NAN;
+  if (p->may_turn) {
+    double rest;
+    p->omega = mean_rotation(w, &rest);
+  }
+  if (!take_arrays(w, p) || !first_fill(w, p)) {
     w->places = NULL;
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
@@ -524,6 +637,7 @@ const struct em_partition_kind em_partition_neighbours = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
+    .renew = renew,
     .blades = blades,
     .bytes = bytes,
     .is_valid = is_valid,

@@ -68,11 +68,11 @@ static bool set_blades(struct em_world *w) {
   return true;
 }
 
-/* Epochs of about 256 diameters' flight keep the rounding of times below 1e-13 diameters. */
+/* Epochs of about 64 diameters' flight keep the rounding of times below 1e-14 diameters. */
 static void set_times(struct em_world *w) {
   const double speed = em_scene_typical_speed(w->scene);
   const double d = w->count ? 2.0 * w->smallest : em_vec_norm(em_vec_sub(w->high, w->low));
-  w->epoch_length = exp2(nearbyint(log2(256.0 * d / speed)));
+  w->epoch_length = exp2(nearbyint(log2(64.0 * d / speed)));
   w->within = fmin(w->scene->remedy.jam_within, 1e-5 * d / speed);
 }
 
