@@ -227,7 +227,8 @@ static void p_values_are_uniform(void **state) {
 static void tied_p_values_are_uniform(void **state) {
   (void)state;
   enum { N = 1000, RUNS = 60 };
-  static double x[N], ks[RUNS], chi2[RUNS], free_p[RUNS];
+  static double x[N], ks[RUNS], chi2[RUNS];
+  double kind = 0.0;
   const enum em_distribution laws[] = {EM_DISTRIBUTION_MAXWELL, EM_DISTRIBUTION_NORMAL};
   for (int l = 0; l < 2; l++) {
     for (unsigned seed = 0; seed < RUNS; seed++) {
@@ -244,12 +245,12 @@ static void tied_p_values_are_uniform(void **state) {
       chi2[seed] = g.p;
       assert_int_equal(em_goodness_ks_tied(&g, laws[l], x, N), EM_OK);
       ks[seed] = g.p;
-      free_p[seed] = em_goodness_ks(x, N).p;
+      kind += em_goodness_ks(x, N).p / (2.0 * RUNS);
     }
     assert_true(em_goodness_ks(ks, RUNS).p > 0.01);
     assert_true(em_goodness_ks(chi2, RUNS).p > 0.01);
-    assert_true(em_goodness_ks(free_p, RUNS).p < 0.01); /* the plain test would be far too kind */
   }
+  assert_true(kind > 0.57); /* the plain test is too kind here: its mean should be 0.5 */
   struct em_goodness g;
   assert_int_equal(em_goodness_ks_tied(&g, EM_DISTRIBUTION_UNIFORM, x, N), EM_INPUT);
 }

@@ -1,0 +1,129 @@
+/* The energy balance of a run. */
+#include "tool/balance.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static enum em_status read_all(struct em_balance *b, const struct em_run_file *run,
+                               const struct em_millpost_window *window, struct em_error *err) {
+  const struct {
+    const char *name;
+    struct em_trace *trace;
+  } list[] = {{"blade_work", &b->work},
+              {"blade_angular_impulse", &b->impulse},
+              {"drum_work", &b->drum},
+              {"dissipated_energy", &b->lost},
+              {"collision_energy", &b->impact},
+              {"kinetic_energy", &b->kinetic},
+              {"spin_energy", &b->spin},
+              {"potential_energy", &b->potential}};
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+    const enum em_status status = em_trace_read(list[k].trace, run, list[k].name, window, err);
+    if (status != EM_OK) return status;
+  }
+  return EM_OK;
+}
+
+static bool read_speeds(struct em_balance *b, const struct em_scene *scene) {
+  b->omega = calloc(em_scene_blade_count(scene) + 1, sizeof *b->omega);
+  if (!b->omega) return false;
+  for (size_t r = 0; r < scene->rotor_count; r++)
+    for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
+      b->omega[b->blades++] = scene->rotor[r].blade[k].omega;
+  return true;
+}
+
+enum em_status em_balance_new(struct em_balance *balance, const struct em_run_file *run,
+                              const struct em_millpost_window *window, struct em_error *err) {
+  memset(balance, 0, sizeof *balance);
+  enum em_status status = read_all(balance, run, window, err);
+  if (status == EM_OK && !read_speeds(balance, em_run_file_scene(run)))
+    status = em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  const struct em_trace *lost = &balance->lost, *kinetic = &balance->kinetic;
+  if (status == EM_OK && (lost->count < 2 || kinetic->count != lost->count))
+    status = em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
+                          "fewer than two samples of the observables between %g s and %g s",
+                          window->from, window->to);
+  if (status == EM_OK) balance->time = lost->time[lost->count - 1] - lost->time[0];
+  if (status != EM_OK) em_balance_free(balance);
+  return status;
+}
+
+void em_balance_free(struct em_balance *b) {
+  struct em_trace *const list[] = {&b->work, &b->impulse, &b->drum, &b->lost,
+                                   &b->impact, &b->kinetic, &b->spin, &b->potential};
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++) em_trace_free(list[k]);
+  free(b->omega);
+  memset(b, 0, sizeof *b);
+}
+
+/* Growth of a trace's sum between two samples; 0 when the run has no such observable. */
+static double growth(const struct em_trace *trace, size_t from, size_t to) {
+  if (trace->count <= to) return 0.0;
+  return em_trace_sum(trace, to, 0, trace->width) - em_trace_sum(trace, from, 0, trace->width);
+}
+
+static double step(const struct em_balance *b, size_t from, size_t to) {
+  return b->lost.time[to] - b->lost.time[from];
+}
+
+static double by_torque(const struct em_balance *b, size_t from, size_t to) {
+  double power = 0.0;
+  if (b->impulse.count <= to) return 0.0;
+  for (size_t k = 0; k < b->blades && k < b->impulse.width; k++) {
+    const double *value = b->impulse.value;
+    const size_t w = b->impulse.width;
+    power += b->omega[k] * (value[to * w + k] - value[from * w + k]) / step(b, from, to);
+  }
+  return power;
+}
+
+static double stored(const struct em_balance *b, size_t from, size_t to) {
+  return (growth(&b->kinetic, from, to) + growth(&b->spin, from, to) +
+          growth(&b->potential, from, to)) / step(b, from, to);
+}
+
+static double dissipated(const struct em_balance *b, size_t from, size_t to) {
+  return growth(&b->lost, from, to) / step(b, from, to);
+}
+
+static double by_energy(const struct em_balance *b, size_t from, size_t to) {
+  return stored(b, from, to) + dissipated(b, from, to) -
+         growth(&b->drum, from, to) / step(b, from, to);
+}
+
+static size_t last(const struct em_balance *b) {
+  return b->lost.count - 1;
+}
+
+double em_balance_by_work(const struct em_balance *balance) {
+  return growth(&balance->work, 0, last(balance)) / balance->time;
+}
+
+double em_balance_by_torque(const struct em_balance *balance) {
+  return by_torque(balance, 0, last(balance));
+}
+
+double em_balance_by_energy(const struct em_balance *balance) {
+  return by_energy(balance, 0, last(balance));
+}
+
+double em_balance_stored(const struct em_balance *balance) {
+  return stored(balance, 0, last(balance));
+}
+
+double em_balance_dissipated(const struct em_balance *balance) {
+  return dissipated(balance, 0, last(balance));
+}
+
+double em_balance_torque_at(const struct em_balance *balance, size_t k) {
+  return by_torque(balance, k, k + 1);
+}
+
+double em_balance_energy_at(const struct em_balance *balance, size_t k) {
+  return by_energy(balance, k, k + 1);
+}
+
+double em_balance_dissipated_at(const struct em_balance *balance, size_t k) {
+  return dissipated(balance, k, k + 1);
+}

@@ -1,0 +1,96 @@
+/* The commands of millpost, and what they share: command lines, windows of time, messages. */
+#ifndef EVENTMILL_MILLPOST_H
+#define EVENTMILL_MILLPOST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "eventmill/error.h"
+#include "eventmill/run_file.h"
+#include "tool/report.h"
+
+/* Exit codes. */
+enum { EM_MILLPOST_DONE = 0, EM_MILLPOST_FAILED = 1, EM_MILLPOST_USAGE = 2,
+       EM_MILLPOST_REFUTED = 3 };
+
+/* Each takes its own name as argv[0] and returns an exit code. */
+int em_millpost_info(int argc, char **argv);
+int em_millpost_hist(int argc, char **argv);
+int em_millpost_verify(int argc, char **argv);
+int em_millpost_map(int argc, char **argv);
+int em_millpost_power(int argc, char **argv);
+int em_millpost_steady(int argc, char **argv);
+int em_millpost_compare(int argc, char **argv);
+int em_millpost_scale(int argc, char **argv);
+int em_millpost_fit(int argc, char **argv);
+int em_millpost_frame(int argc, char **argv);
+int em_millpost_film(int argc, char **argv);
+int em_millpost_export(int argc, char **argv);
+
+/* What a command line says; options that were not given keep the values noted here. */
+struct em_millpost_options {
+  int run_count;
+  char **run;               /* arguments that are no options */
+  enum em_report_format format; /* TEXT */
+  const char *out;          /* NULL */
+  const char *of;           /* NULL */
+  const char *cells;        /* NULL */
+  const char *to_format;    /* NULL: --to of export */
+  const char *minus;        /* NULL */
+  const char *match;        /* NULL */
+  unsigned classes;         /* bits 1 << enum em_class; 0: not given */
+  double from, to;          /* s; NAN */
+  double above, below;      /* NAN */
+  double at;                /* s; NAN */
+  double level;             /* 0.95 */
+  double alpha;             /* 0.001 */
+  double target;            /* NAN */
+  long bins, slices, tubes, sectors, rings, every; /* 0 */
+  bool cumulative, curve, log, relative, spread;   /* false */
+  bool scene; /* false */
+};
+
+/* What --help says. options: names of long options that the command takes, "" ends the list;
+ * --help, --csv and --json are always there. */
+struct em_millpost_help {
+  const char *name, *arguments, *summary, *details, *examples;
+  const char *const *options;
+  int least, most; /* number of arguments; most < 0: any */
+};
+
+/* Reads a command line. Returns -1 to go on, or the exit code (help was printed, or a message). */
+int em_millpost_options(struct em_millpost_options *options, const struct em_millpost_help *help,
+                        int argc, char **argv);
+
+/* Prints an error ("millpost: error: ..." or as the error says) and returns the exit code that
+ * belongs to it. */
+int em_millpost_fail(const struct em_error *err);
+/* The same for a wrong command line. */
+int em_millpost_usage(const char *command, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Prints the report in the format asked for, frees it, and returns the exit code. */
+int em_millpost_print(struct em_report *report, const struct em_millpost_options *options,
+                      int code);
+
+/* The file's name without folder and ending, cut to size. */
+void em_millpost_label(const char *path, char *label, size_t size);
+
+/* A stretch of time, and in words where its begin comes from. */
+struct em_millpost_window {
+  double from, to; /* s */
+  bool automatic;  /* `from` was found, not given */
+  bool steady;     /* the run was found to be stationary from there on */
+  double geweke_p; /* NAN: not tested */
+  char how[160];
+};
+
+/* From `from` (NAN: steady start) to `to` (NAN: end of the run). Errors: EM_INPUT for an empty
+ * window, and those of reading. */
+enum em_status em_millpost_window(struct em_millpost_window *window, const struct em_run_file *run,
+                                  double from, double to, struct em_error *err);
+
+/* Adds the window's facts to a report. */
+void em_millpost_window_report(struct em_report *report, const struct em_millpost_window *window);
+
+#endif
