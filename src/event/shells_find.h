@@ -19,6 +19,19 @@ static inline unsigned bits_of(v8i mask) {
 #endif
 }
 
+/* Appends the names of those of eight shells whose bits are set; writes up to eight places. */
+static inline uint32_t *append(uint32_t *id, const float *name, unsigned near) {
+#ifdef __AVX2__
+  const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)&PACK[near]));
+  const __m256i all = _mm256_load_si256((const __m256i *)name);
+  _mm256_storeu_si256((__m256i *)id, _mm256_permutevar8x32_epi32(all, order));
+  return id + __builtin_popcount(near);
+#else
+  for (; near; near &= near - 1) memcpy(id++, name + __builtin_ctz(near), sizeof *id);
+  return id;
+#endif
+}
+
 /* The cells along one axis that a sphere can touch, each with the centre as seen from it and the
  * square of the least distance between the two. */
 struct row {
@@ -55,7 +68,7 @@ uint32_t FIND(const struct em_shells *s, const float centre[3], float hull, uint
   const double reach = (double)hull + s->hull_most + 2.0 * (double)s->slack;
   const float reach2 = (float)(1.00001 * reach * reach), wide = hull + s->slack;
   const uint32_t room = s->room;
-  uint32_t count = 0;
+  uint32_t *end = id;
   row_of(s, 0, centre[0], reach, &rx);
   row_of(s, 1, centre[1], reach, &ry);
   row_of(s, 2, centre[2], reach, &rz);
@@ -66,19 +79,18 @@ uint32_t FIND(const struct em_shells *s, const float centre[3], float hull, uint
       const int line = s->n[0] * (s->n[1] * rz.cell[c] + ry.cell[b]);
       for (int a = 0; a < rx.count; a++) {
         if (rx.apart2[a] > left) continue;
+        const uint32_t held = s->held[line + rx.cell[a]];
         const float *e = s->block + (size_t)(line + rx.cell[a]) * EM_SHELLS_FIELDS * room;
-        for (uint32_t k = 0; k < room; k += 8) {
+        if (end + held + EM_SHELLS_STEP > id + most) return most;
+        for (uint32_t k = 0; k < held; k += EM_SHELLS_STEP) {
           const v8f dx = *(const v8f *)(e + k) - rx.centre[a];
           const v8f dy = *(const v8f *)(e + room + k) - ry.centre[b];
           const v8f dz = *(const v8f *)(e + 2 * room + k) - rz.centre[c];
           const v8f r = *(const v8f *)(e + 3 * room + k) + wide;
-          unsigned near = bits_of(dx * dx + dy * dy + dz * dz <= r * r);
-          const float *name = e + 4 * room + k;
-          for (; near && count < most; near &= near - 1)
-            memcpy(&id[count++], name + __builtin_ctz(near), sizeof *id);
+          end = append(end, e + 4 * room + k, bits_of(dx * dx + dy * dy + dz * dz <= r * r));
         }
       }
     }
   }
-  return count;
+  return (uint32_t)(end - id);
 }
