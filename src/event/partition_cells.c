@@ -14,11 +14,11 @@ enum {
 
 struct em_places {
   uint32_t count;
-  int n[3];        /* cells along each axis */
-  double edge[3];  /* m */
+  int n[3];       /* cells along each axis */
+  double edge[3]; /* m */
   double low[3], period[3];
-  double slack;    /* m */
-  double room;     /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
+  double slack; /* m */
+  double room;  /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
   struct em_vec *centre;
   int (*cell)[3];  /* of each ball */
   uint32_t *held;  /* balls in each cell */
@@ -39,8 +39,7 @@ static size_t cells(const struct em_places *p) {
 }
 
 static size_t index_of(const struct em_places *p, const int cell[3]) {
-  return (size_t)cell[0] +
-         (size_t)p->n[0] * ((size_t)cell[1] + (size_t)p->n[1] * (size_t)cell[2]);
+  return (size_t)cell[0] + (size_t)p->n[0] * ((size_t)cell[1] + (size_t)p->n[1] * (size_t)cell[2]);
 }
 
 /* Borders of cell k along an axis; the outermost of a closed axis have none outside. */
@@ -67,8 +66,8 @@ static void set_leave(struct em_world *w, uint32_t i, double from) {
   split(w->gravity, g);
   for (int a = 0; a < 3; a++) {
     const int k = p->cell[i][a];
-    stay = fmin(stay, em_span_leave(seen(p, a, k, x[a]), v[a], g[a], low_of(p, a, k),
-                                    high_of(p, a, k)));
+    stay = fmin(stay,
+                em_span_leave(seen(p, a, k, x[a]), v[a], g[a], low_of(p, a, k), high_of(p, a, k)));
   }
   double leave = from + stay;
   if (p->centre) leave = fmin(leave, em_partition_stay(w, i, from, p->centre[i], p->room));
@@ -101,7 +100,8 @@ static bool enter(struct em_places *p, uint32_t i) {
 static void quit(struct em_places *p, uint32_t i) {
   const size_t c = index_of(p, p->cell[i]);
   uint32_t *id = p->id + c * p->most, k = 0;
-  while (id[k] != i) k++;
+  while (id[k] != i)
+    k++;
   id[k] = id[--p->held[c]];
 }
 
@@ -123,7 +123,8 @@ static int range(const struct em_places *p, int axis, int first, int last, int l
 static uint32_t collect(struct em_places *p, uint32_t i, const int first[3], const int last[3]) {
   int list[3][3], size[3];
   uint32_t n = 0;
-  for (int a = 0; a < 3; a++) size[a] = range(p, a, first[a], last[a], list[a]);
+  for (int a = 0; a < 3; a++)
+    size[a] = range(p, a, first[a], last[a], list[a]);
   for (int c = 0; c < size[2]; c++)
     for (int b = 0; b < size[1]; b++)
       for (int a = 0; a < size[0]; a++) {
@@ -153,8 +154,8 @@ static int exit_side(const struct em_world *w, uint32_t i, double now, int *axis
   split(w->gravity, g);
   for (int a = 0; a < 3; a++) {
     const int k = p->cell[i][a];
-    const int side = em_span_side(seen(p, a, k, x[a]), v[a], g[a], low_of(p, a, k),
-                                  high_of(p, a, k), p->slack);
+    const int side =
+        em_span_side(seen(p, a, k, x[a]), v[a], g[a], low_of(p, a, k), high_of(p, a, k), p->slack);
     *axis = a;
     if (side) return side;
   }
@@ -230,8 +231,8 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
 }
 
 static void set_blades(const struct em_world *w, struct em_places *p) {
-  const double half = 0.5 * sqrt(p->edge[0] * p->edge[0] + p->edge[1] * p->edge[1] +
-                                 p->edge[2] * p->edge[2]);
+  const double half =
+      0.5 * sqrt(p->edge[0] * p->edge[0] + p->edge[1] * p->edge[1] + p->edge[2] * p->edge[2]);
   int c[3];
   for (c[2] = 0; c[2] < p->n[2]; c[2]++)
     for (c[1] = 0; c[1] < p->n[1]; c[1]++)
@@ -239,8 +240,7 @@ static void set_blades(const struct em_world *w, struct em_places *p) {
         const struct em_vec centre = {p->low[0] + (c[0] + 0.5) * p->edge[0],
                                       p->low[1] + (c[1] + 0.5) * p->edge[1],
                                       p->low[2] + (c[2] + 0.5) * p->edge[2]};
-        p->mask[index_of(p, c)] =
-            em_partition_blades(w, centre, w->largest, half + 2.0 * p->slack);
+        p->mask[index_of(p, c)] = em_partition_blades(w, centre, w->largest, half + 2.0 * p->slack);
       }
 }
 
@@ -256,7 +256,8 @@ static bool fill(struct em_world *w, struct em_places *p) {
   for (uint32_t i = 0; i < p->count; i++) {
     double x[3];
     split(em_body_at(w, i, w->clock), x);
-    for (int a = 0; a < 3; a++) p->cell[i][a] = cell_along(p, a, x[a]);
+    for (int a = 0; a < 3; a++)
+      p->cell[i][a] = cell_along(p, a, x[a]);
     if (p->centre) p->centre[i] = em_body_at(w, i, w->clock);
     if (!enter(p, i)) return false;
     set_leave(w, i, w->clock);
@@ -297,11 +298,13 @@ static size_t bytes(const struct em_places *p) {
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
   size_t sum = 0;
-  for (size_t c = 0; c < cells(p); c++) sum += p->held[c];
+  for (size_t c = 0; c < cells(p); c++)
+    sum += p->held[c];
   for (uint32_t i = 0; i < p->count; i++) {
     const size_t c = index_of(p, p->cell[i]);
     uint32_t seen_here = 0;
-    for (uint32_t k = 0; k < p->held[c]; k++) seen_here += p->id[c * p->most + k] == i;
+    for (uint32_t k = 0; k < p->held[c]; k++)
+      seen_here += p->id[c * p->most + k] == i;
     if (seen_here != 1) return false;
   }
   return sum == p->count;

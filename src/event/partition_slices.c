@@ -92,8 +92,10 @@ static void exchange(struct em_places *p, uint32_t i, uint32_t place) {
 /* Moves ball i to the interval c, over all between. */
 static void put(struct em_places *p, uint32_t i, int c) {
   int *at = &p->interval[i];
-  for (; *at < c; ++*at) exchange(p, i, --p->start[*at + 1]);
-  for (; *at > c; --*at) exchange(p, i, p->start[*at]++);
+  for (; *at < c; ++*at)
+    exchange(p, i, --p->start[*at + 1]);
+  for (; *at > c; --*at)
+    exchange(p, i, p->start[*at]++);
 }
 
 /* Copies the balls of the intervals first … last, except i. */
@@ -131,9 +133,9 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   set_leave(w, i, now);
   if (p->centre) return candidates(w, i, count);
   const bool check_in = side && next % 2;
-  *count = check_in ? side > 0 ? collect(p, i, next + 1, next + 2)
-                               : collect(p, i, next - 2, next - 1)
-                    : 0;
+  *count = check_in
+               ? side > 0 ? collect(p, i, next + 1, next + 2) : collect(p, i, next - 2, next - 1)
+               : 0;
   return p->found;
 }
 
@@ -225,7 +227,8 @@ static void fill(struct em_world *w, struct em_places *p) {
   /* start[c + 1] went down to the beginning of interval c: put it back in its own place */
   memmove(p->start, p->start + 1, (size_t)p->intervals * sizeof *p->start);
   p->start[p->intervals] = p->count;
-  for (uint32_t i = 0; i < p->count; i++) set_leave(w, i, w->clock);
+  for (uint32_t i = 0; i < p->count; i++)
+    set_leave(w, i, w->clock);
 }
 
 static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {

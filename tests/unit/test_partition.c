@@ -1,0 +1,311 @@
+/* Partitions: no pair that can touch, and no blade that can be met, is ever left out; and the
+ * collisions are the same with all of them and with all lists. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "event/body.h"
+#include "event/partition.h"
+
+#define GAS "contact = { rule = \"smooth\"; normal = 1.0; }; record = { frames = 0.0; };"
+#define MILL                                                                                 \
+  "rotor = ( { rpm = 1300.0; point = [0.0, 0.0, 0.0]; radius = 0.006; reach = 0.030;"        \
+  "  blades = ( { y = 0.0225; angle_deg = 0.0; }, { y = 0.0675; angle_deg = 60.0; } ); } );" \
+  "contact = { rule = \"rough\"; normal = 0.9; tangential = 0.9; };"
+
+static const struct {
+  const char *name, *text;
+} scenes[] = {
+    {"drum", "chamber = { shape = \"drum\"; diameter = 0.08; length = 0.1; };"
+             "gravity = [0.0, 0.0, -9.81]; balls = { count = 150; diameter = 0.006; };" GAS},
+    {"mill", "chamber = { shape = \"drum\"; diameter = 0.08; length = 0.09; };"
+             "gravity = [0.0, 0.0, -9.81]; balls = { count = 150; diameter = 0.005; };" MILL},
+    {"box", "chamber = { shape = \"box\"; size = [0.05, 0.08, 0.04]; };"
+            "gravity = \"none\"; balls = { count = 120; diameter = 0.006; };" GAS},
+    {"tilted", "chamber = { shape = \"box\"; size = [0.05, 0.08, 0.04]; };"
+               "gravity = [3.0, -8.0, 2.0]; balls = { count = 120; diameter = 0.006; };" GAS},
+    {"mixed", "chamber = { shape = \"box\"; size = [0.06, 0.08, 0.05]; }; gravity = \"none\";"
+              "balls = ( { name = \"large\"; count = 12; diameter = 0.012; },"
+              "          { name = \"small\"; count = 150; diameter = 0.003; } );" GAS},
+    {"periodic", "chamber = { shape = \"box\"; size = [0.06, 0.07, 0.05];"
+                 "  periodic = [true, true, true]; };"
+                 "gravity = \"none\"; balls = { count = 150; diameter = 0.006; };" GAS},
+    {"tight", "chamber = { shape = \"box\"; size = [0.026, 0.06, 0.026];"
+              "  periodic = [true, false, true]; };"
+              "gravity = \"none\"; balls = { count = 30; diameter = 0.006; };" GAS},
+    {"turning", "chamber = { shape = \"box\"; size = [0.05, 0.026, 0.05];"
+                "  periodic = [false, true, false]; };"
+                "gravity = [0.0, 0.0, -9.81]; balls = { count = 50; diameter = 0.006; };" GAS},
+    {"lonely", "chamber = { shape = \"box\"; size = [0.05, 0.05, 0.05]; };"
+               "gravity = \"none\"; balls = { count = 1; diameter = 0.006; };" GAS},
+};
+enum { SCENES = sizeof scenes / sizeof scenes[0] };
+
+/* xorshift64*: the same numbers on every machine. */
+static double draw(uint64_t *state) {
+  *state ^= *state >> 12;
+  *state ^= *state << 25;
+  *state ^= *state >> 27;
+  return (double)((*state * UINT64_C(2685821657736338717)) >> 11) * 0x1p-53;
+}
+
+static struct em_world *open_world(size_t which, enum em_partition partition, enum em_lists lists,
+                                   int slices, struct em_scene **scene) {
+  static struct em_error err; /* large */
+  char how[3][64];
+  snprintf(how[0], sizeof how[0], "engine.partition=%s", em_scene_partition_name(partition));
+  snprintf(how[1], sizeof how[1], "engine.lists=%s", em_scene_lists_name(lists));
+  snprintf(how[2], sizeof how[2], "engine.slices=%d", slices);
+  const char *overrides[] = {how[0], how[1], how[2]};
+  struct em_balls *balls = NULL;
+  struct em_world *world = NULL;
+  if (em_scene_parse(scene, scenes[which].text, scenes[which].name, 3, overrides, &err) ||
+      em_start_make(&balls, *scene, NULL, &err) || em_world_new(&world, *scene, balls, &err))
+    fail_msg("%s", err.text);
+  em_start_free(balls);
+  return world;
+}
+
+static void close_world(struct em_world *world, struct em_scene *scene) {
+  em_world_free(world);
+  em_scene_free(scene);
+}
+
+/* --- against brute force ---------------------------------------------------------------------- */
+
+/* Time after now of the first contact of balls i and j, in any image. */
+static double first_touch(const struct em_world *w, uint32_t i, uint32_t j, double now) {
+  const struct em_vec r = em_vec_sub(em_body_at(w, j, now), em_body_at(w, i, now));
+  const struct em_vec v = em_vec_sub(em_body_velocity(w, j, now), em_body_velocity(w, i, now));
+  const double sigma = w->body[i].radius + w->body[j].radius;
+  const int nx = w->period.x > 0.0 ? 2 : 0, ny = w->period.y > 0.0 ? 2 : 0;
+  const int nz = w->period.z > 0.0 ? 2 : 0;
+  const double cx = nx ? nearbyint(r.x / w->period.x) : 0.0;
+  const double cy = ny ? nearbyint(r.y / w->period.y) : 0.0;
+  const double cz = nz ? nearbyint(r.z / w->period.z) : 0.0;
+  double first = INFINITY;
+  for (int a = -nx; a <= nx; a++)
+    for (int b = -ny; b <= ny; b++)
+      for (int c = -nz; c <= nz; c++) {
+        const struct em_vec d = {r.x - (cx + a) * w->period.x, r.y - (cy + b) * w->period.y,
+                                 r.z - (cz + c) * w->period.z};
+        first = fmin(first, em_surface_pair(d, v, sigma));
+      }
+  return first;
+}
+
+static bool holds(const uint32_t *list, uint32_t count, uint32_t j) {
+  for (uint32_t k = 0; k < count; k++)
+    if (list[k] == j) return true;
+  return false;
+}
+
+/* All candidates of ball i in a copy; each once, and never i itself. */
+static uint32_t copy_candidates(struct em_world *w, uint32_t i, uint32_t *copy) {
+  uint32_t n;
+  const uint32_t *id = w->partition_kind->candidates(w, i, &n);
+  assert_true(n < w->count);
+  if (n) memcpy(copy, id, n * sizeof *copy);
+  assert_false(holds(copy, n, i));
+  for (uint32_t k = 0; k < n; k++)
+    assert_false(holds(copy, k, copy[k]));
+  return n;
+}
+
+static void check_pairs(struct em_world *w, uint32_t i, double now, uint64_t *found) {
+  uint32_t list[512];
+  const uint32_t n = copy_candidates(w, i, list);
+  for (uint32_t j = 0; j < w->count; j++) {
+    if (j == i) continue;
+    const double t = now + first_touch(w, i, j, now);
+    if (t > w->leave[i] || t > w->leave[j]) continue;
+    if (t < INFINITY) ++*found;
+    if (t < INFINITY && !holds(list, n, j))
+      fail_msg("%s: balls %u and %u touch at %g, before %g and %g", w->partition_kind->name, i, j,
+               t, w->leave[i], w->leave[j]);
+  }
+}
+
+static void check_blades(const struct em_world *w, uint32_t i, double now, uint64_t *found) {
+  const uint32_t mask = w->partition_kind->blades(w, i);
+  const double horizon = w->leave[i] - now;
+  for (uint32_t k = 0; k < w->blade_count && horizon > 0.0; k++) {
+    const struct em_blade *b = &w->blade[k].blade;
+    const double dt =
+        em_surface_blade(b, em_body_at(w, i, now), em_body_velocity(w, i, now), w->gravity,
+                         w->body[i].radius, b->angle + b->omega * now, false, horizon, NULL);
+    if (dt > horizon) continue;
+    ++*found;
+    assert_true(mask & (1u << (k < 31 ? k : 31)));
+  }
+}
+
+static double inside(double x, double low, double period) {
+  return period > 0.0 ? x - period * floor((x - low) / period) : x;
+}
+
+/* Gives ball i a new path at `now`: back towards the middle when it is near a wall. */
+static void turn_ball(struct em_world *w, uint32_t i, double now, uint64_t *state) {
+  struct em_body *b = &w->body[i];
+  const struct em_vec x = em_body_at(w, i, now);
+  const struct em_vec middle = em_vec_scale(0.5, em_vec_add(w->low, w->high));
+  const struct em_vec half = em_vec_scale(0.4, em_vec_sub(w->high, w->low));
+  const double speed = 2.0 * draw(state);
+  struct em_vec v = {draw(state) - 0.5, draw(state) - 0.5, draw(state) - 0.5};
+  if (w->period.x <= 0.0 && fabs(x.x - middle.x) > half.x) v.x = x.x > middle.x ? -0.5 : 0.5;
+  if (w->period.y <= 0.0 && fabs(x.y - middle.y) > half.y) v.y = x.y > middle.y ? -0.5 : 0.5;
+  if (w->period.z <= 0.0 && fabs(x.z - middle.z) > half.z) v.z = x.z > middle.z ? -0.5 : 0.5;
+  b->x = inside(x.x, w->low.x, w->period.x);
+  b->y = inside(x.y, w->low.y, w->period.y);
+  b->z = inside(x.z, w->low.z, w->period.z);
+  b->vx = speed * v.x;
+  b->vy = draw(state) < 0.05 ? 0.0 : speed * v.y;
+  b->vz = speed * v.z;
+  b->t = now;
+  w->partition_kind->moved(w, i);
+}
+
+/* Ball i crosses: what becomes a candidate must be among what is returned. */
+static void cross_ball(struct em_world *w, uint32_t i, double now) {
+  uint32_t before[512], after[512], fresh[512], n;
+  const uint32_t n_before = copy_candidates(w, i, before);
+  const uint32_t *id = w->partition_kind->cross(w, i, now, &n);
+  assert_true(id || n == 0);
+  assert_true(n < w->count);
+  if (n) memcpy(fresh, id, n * sizeof *fresh);
+  const uint32_t n_after = copy_candidates(w, i, after);
+  for (uint32_t k = 0; k < n_after; k++)
+    assert_true(holds(before, n_before, after[k]) || holds(fresh, n, after[k]));
+  assert_true(w->leave[i] >= now);
+  assert_false(holds(fresh, n, i));
+}
+
+static void drive(struct em_world *w, uint64_t seed) {
+  uint64_t state = seed, pairs = 0, hits = 0, crossings = 0;
+  double now = 0.0;
+  w->clock = 0.0;
+  int in_place = 0;
+  for (int step = 0; step < 6000; step++) {
+    uint32_t next = 0;
+    for (uint32_t i = 1; i < w->count; i++)
+      if (w->leave[i] < w->leave[next]) next = i;
+    const double turn = now + 4e-5 * draw(&state);
+    if (w->leave[next] <= turn) {
+      in_place = w->leave[next] > now ? 0 : in_place + 1;
+      assert_true(in_place < 20 * (int)w->count);
+      now = fmax(now, w->leave[next]);
+      cross_ball(w, next, now);
+      crossings++;
+      check_blades(w, next, now, &hits);
+    } else {
+      now = turn;
+      next = (uint32_t)(draw(&state) * w->count);
+      turn_ball(w, next, now, &state);
+    }
+    check_pairs(w, next, now, &pairs);
+    if (step % 500 == 0) {
+      assert_true(w->partition_kind->is_valid(w));
+      for (uint32_t i = 0; i < w->count; i++) {
+        check_pairs(w, i, now, &pairs);
+        check_blades(w, i, now, &hits);
+      }
+    }
+  }
+  assert_true(w->count < 2 || pairs > 500); /* the test has tested something */
+  assert_true(w->blade_count == 0 || hits > 10);
+  assert_true(crossings > 10 || w->count < 2 || w->partition_kind == &em_partition_none);
+}
+
+static void test_nothing_is_left_out(void **unused) {
+  (void)unused;
+  for (size_t which = 0; which < SCENES; which++)
+    for (int k = 0; k < EM_PARTITION_COUNT; k++) {
+      struct em_scene *scene;
+      struct em_world *w = open_world(which, (enum em_partition)k, EM_LISTS_CALENDAR, 0, &scene);
+      drive(w, which + 1);
+      close_world(w, scene);
+    }
+}
+
+/* --- the same collisions ---------------------------------------------------------------------- */
+
+struct print {
+  uint64_t value, count;
+};
+
+static void see(void *self, const struct em_contact *c) {
+  struct print *print = self;
+  const double part[] = {c->time, c->place.x, c->place.y, c->place.z, c->vn, c->lost};
+  print->value ^= ((uint64_t)c->ball << 32) ^ c->partner ^ ((uint64_t)c->cls << 60);
+  for (size_t k = 0; k < sizeof part / sizeof part[0]; k++) {
+    uint64_t bits;
+    memcpy(&bits, &part[k], sizeof bits);
+    print->value = (print->value ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
+    print->value ^= print->value >> 31;
+  }
+  print->count++;
+}
+
+static struct print run(size_t which, enum em_partition partition, enum em_lists lists,
+                        int slices) {
+  static struct em_error err; /* large */
+  struct em_scene *scene;
+  struct em_world *w = open_world(which, partition, lists, slices, &scene);
+  struct print print = {0, 0};
+  const struct em_observer observer = {&print, see};
+  assert_int_equal(em_world_observe(w, &observer), EM_OK);
+  if (em_world_run_collisions(w, 1000.0, 4000, NULL, &err)) fail_msg("%s", err.text);
+  if (!em_world_is_valid(w, 1e-9, &err)) fail_msg("%s", err.text);
+  close_world(w, scene);
+  return print;
+}
+
+static void test_same_collisions(void **unused) {
+  (void)unused;
+  for (size_t which = 0; which < SCENES; which++) {
+    const struct print expected = run(which, EM_PARTITION_NONE, EM_LISTS_TREE, 0);
+    assert_int_equal(expected.count, 4000);
+    for (int k = 0; k < EM_PARTITION_COUNT; k++)
+      for (int l = 0; l < EM_LISTS_COUNT; l++) {
+        const struct print got = run(which, (enum em_partition)k, (enum em_lists)l, 0);
+        if (got.value != expected.value)
+          fail_msg("%s: %s and %s differ from none and tree", scenes[which].name,
+                   em_scene_partition_name((enum em_partition)k),
+                   em_scene_lists_name((enum em_lists)l));
+      }
+    for (int slices = 1; slices <= 4; slices++)
+      assert_true(run(which, EM_PARTITION_SLICES, EM_LISTS_CALENDAR, slices).value ==
+                  expected.value);
+  }
+}
+
+static void test_too_many_slices(void **unused) {
+  (void)unused;
+  static struct em_error err; /* large */
+  const char *overrides[] = {"engine.partition=slices", "engine.slices=100"};
+  struct em_scene *scene = NULL;
+  struct em_balls *balls = NULL;
+  struct em_world *world = NULL;
+  assert_int_equal(em_scene_parse(&scene, scenes[0].text, "drum", 2, overrides, &err), EM_OK);
+  assert_int_equal(em_start_make(&balls, scene, NULL, &err), EM_OK);
+  assert_int_equal(em_world_new(&world, scene, balls, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "engine.slices"));
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_nothing_is_left_out),
+      cmocka_unit_test(test_same_collisions),
+      cmocka_unit_test(test_too_many_slices),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
