@@ -219,7 +219,7 @@ install: all
 # What has been built, as it is.
 .PHONY: install-files
 install-files:
-	install -d $(BIN) $(LIB)/pkgconfig $(INC) $(SHR)/geometries
+	install -d $(BIN) $(LIB)/pkgconfig $(INC)
 	install -m 755 $(PROGRAMS) $(BIN)
 	install -m 644 include/eventmill/*.h $(INC)
 	install -m 644 $(STATIC) $(LIB)
@@ -228,7 +228,7 @@ install-files:
 	ln -sf libeventmill.so.$(SOMAJOR) $(LIB)/libeventmill.so
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@PACKAGES@|$(PACKAGES)|' \
 	  eventmill.pc.in >$(LIB)/pkgconfig/eventmill.pc
-	install -m 644 geometries/* $(SHR)/geometries
+	find geometries -type f -exec install -D -m 644 {} $(SHR)/{} \;
 
 uninstall:
 	rm -f $(BIN)/mill $(BIN)/millpost $(LIB)/libeventmill.a $(LIB)/libeventmill.so* \

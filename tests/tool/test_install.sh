@@ -1,0 +1,61 @@
+#!/bin/bash
+# An installed Eventmill is complete: programs run, a foreign program compiles against the
+# pkg-config file (static and shared), uninstall leaves nothing behind.
+set -eu
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+
+# Under make, its settings (BUILD, SAN, CC) come with the environment.
+settings=()
+[ -n "${MAKEFLAGS:-}" ] || settings=("BUILD=$BUILD")
+make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill install-files
+top=$root/opt/mill
+
+"$top/bin/mill" --version | grep -q '[0-9]\.[0-9]'
+"$top/bin/millpost" --help | grep -q hist
+"$top/bin/mill" check "$top/share/eventmill/geometries/simoloyer-2l.cfg" >/dev/null
+
+cat >"$root/use.c" <<'END'
+#include <eventmill/scene.h>
+#include <eventmill/world.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+int main(void) {
+  struct em_error err = {.code = EM_OK};
+  struct em_scene *scene = NULL;
+  enum em_status status = em_scene_parse(&scene, "balls = { count = -1; };", "here", 0, NULL, &err);
+  puts(em_error_text(status));
+  em_scene_free(scene);
+  return status == EM_INPUT ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+END
+
+# A library with sanitizers takes a program with sanitizers.
+sanitize=()
+nm "$top/lib/libeventmill.a" 2>/dev/null | grep -q __asan_init &&
+  sanitize=(-fsanitize=address -fsanitize=undefined)
+compiler=gcc
+[[ $(make -s "${settings[@]}" print-CC) == *clang* ]] && compiler=clang
+
+export PKG_CONFIG_PATH=$top/lib/pkgconfig PKG_CONFIG_SYSROOT_DIR=
+flags=$(pkg-config --define-variable=prefix="$top" --cflags --libs eventmill)
+static=$(pkg-config --define-variable=prefix="$top" --static --cflags --libs eventmill)
+
+# shellcheck disable=SC2086
+"$compiler" "${sanitize[@]}" "$root/use.c" $flags -o "$root/shared"
+# shellcheck disable=SC2086
+"$compiler" "${sanitize[@]}" "$root/use.c" -Wl,-Bstatic ${static%% *} "-L$top/lib" -leventmill \
+  -Wl,-Bdynamic ${static//-leventmill/} -o "$root/static"
+
+LD_LIBRARY_PATH=$top/lib "$root/shared" | grep -qx 'bad input'
+readelf -d "$root/shared" | grep -q 'NEEDED.*libeventmill\.so\.0'
+"$root/static" | grep -qx 'bad input'
+if readelf -d "$root/static" | grep -q libeventmill; then
+  echo "the static program wants the shared library"
+  exit 1
+fi
+
+make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill uninstall
+left=$(find "$top" -type f -o -type l)
+[ -z "$left" ] || { echo "left behind: $left"; exit 1; }
