@@ -15,6 +15,8 @@
 /* Collisions between two looks at the clock; share of the time that checkpoints may take. */
 enum { CHUNK = 10000 };
 static const double CHECKPOINT_SHARE = 0.1;
+/* Whoever asks for checkpoints closer than this (s) wants one at every look. */
+static const double AT_EVERY_LOOK = 1e-3;
 
 struct recorder {
   const struct em_scene *scene;
@@ -135,7 +137,7 @@ static enum em_status flush(struct recorder *r, bool last, struct em_error *err)
 
 static bool is_flush_due(const struct recorder *r, double now) {
   const double asked = r->scene->record.checkpoint;
-  const double least = asked > 0.0 ? r->flush_cost / CHECKPOINT_SHARE : 0.0;
+  const double least = asked >= AT_EVERY_LOOK ? r->flush_cost / CHECKPOINT_SHARE : 0.0;
   return now - r->flushed >= fmax(asked, least);
 }
 
@@ -183,10 +185,12 @@ static enum em_status advance(struct recorder *r, double until, struct em_error 
       if (flushed)
         return flushed;
     }
-    if (arrived) {
+    if (arrived)
       r->reached = until;
+    if (r->options->stop && *r->options->stop) /* the world may have had no event to notice it */
+      return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
+    if (arrived)
       return EM_OK;
-    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include "eventmill/world.h"
 #include "record/checkpoint.h"
 #include "record/layout.h"
+#include "record/observe.h"
 #include "record/provenance.h"
 #include "record/run_file_inside.h"
 
@@ -142,6 +143,27 @@ static bool find_frames(struct em_run_file *file) {
          (!file->has_spin || is_vectors(file, EM_LAYOUT_BALLS "/angular_velocity/value"));
 }
 
+/* All observables that the scene calls for, in one length: an unreadable one is not an absent one. */
+static bool find_observables(const struct em_run_file *file) {
+  uint64_t samples = 0;
+  if (!(file->scene->record.observables > 0.0))
+    return true;
+  if (!em_h5_get_numbers(file->file, EM_LAYOUT_CHECKPOINT, "samples", H5T_NATIVE_UINT64, 0,
+                         &samples))
+    return false;
+  for (size_t i = 0; i < em_observe_count; i++) {
+    const struct em_observable *o = &em_observe_list[i];
+    const size_t width = o->width(file->scene);
+    struct em_h5_shape shape;
+    char path[256];
+    snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s/value", o->name);
+    if (width && (!em_h5_shape(file->file, path, &shape) || shape.dims[0] != samples ||
+                  shape.rank != (o->is_vector ? 2 : 1) || (o->is_vector && shape.dims[1] != width)))
+      return false;
+  }
+  return true;
+}
+
 static bool find_blocks(struct em_run_file *file) {
   struct em_h5_shape shape;
   size_t edges = 0, ends = 0;
@@ -166,6 +188,8 @@ static enum em_status open_parts(struct em_run_file *file, struct em_error *err)
     return em_run_file_damaged(file, "state of the run", err);
   if (!find_frames(file))
     return em_run_file_damaged(file, "frames", err);
+  if (!find_observables(file))
+    return em_run_file_damaged(file, "observables", err);
   if (!find_blocks(file))
     return em_run_file_damaged(file, "histograms", err);
   if (!em_run_file_find_rows(file))
