@@ -43,6 +43,8 @@ static const struct {
     {"turning", "chamber = { shape = \"box\"; size = [0.05, 0.026, 0.05];"
                 "  periodic = [false, true, false]; };"
                 "gravity = [0.0, 0.0, -9.81]; balls = { count = 50; diameter = 0.006; };" GAS},
+    {"crowded", "chamber = { shape = \"box\"; size = [0.0361, 0.0481, 0.0361]; };"
+                "gravity = \"none\"; balls = { count = 130; diameter = 0.006; };" GAS},
     {"lonely", "chamber = { shape = \"box\"; size = [0.05, 0.05, 0.05]; };"
                "gravity = \"none\"; balls = { count = 1; diameter = 0.006; };" GAS},
 };
