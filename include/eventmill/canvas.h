@@ -27,9 +27,9 @@ enum em_status em_canvas_new(struct em_canvas **canvas, int width, int height,
  * functions, or NULL (err: EM_PICTURE). */
 const struct em_gl *em_canvas_current(struct em_canvas *canvas, struct em_error *err);
 
-/* Finishes all drawing and returns the pixels: RGBA, 8 bits each, the top row first. They belong to
- * the canvas and hold until it is drawn on again. */
-const uint8_t *em_canvas_read(struct em_canvas *canvas);
+/* Finishes all drawing and returns the pixels: bytes B, G, R, A (cairo's RGB24 on a little-endian
+ * machine), the top row first. They belong to the canvas and hold until it is drawn on again. */
+uint8_t *em_canvas_read(struct em_canvas *canvas);
 
 struct em_canvas_size em_canvas_size(const struct em_canvas *canvas);
 

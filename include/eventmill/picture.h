@@ -43,6 +43,7 @@ struct em_picture_state {
 
 struct em_picture_options {
   int width, height; /* pixels */
+  int smooth;        /* samples per pixel each way, 1 … 4: 2 for pictures, 1 for film */
   struct em_camera camera;
   enum em_picture_by by;
   enum em_colour map;
@@ -60,7 +61,7 @@ struct em_picture;
 const char *em_picture_name(enum em_picture_by by);
 int em_picture_find(const char *name); /* -1: no such kind */
 
-/* 1280 × 720 from three quarters, by speed; the scale ends at em_picture_scale (balls may be NULL). */
+/* 1280 × 720, smooth 2, from three quarters, by speed; the scale ends at em_picture_scale (balls may be NULL). */
 struct em_picture_options em_picture_default(const struct em_scene *scene,
                                              const struct em_balls *balls);
 

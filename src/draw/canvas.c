@@ -41,7 +41,7 @@ const struct em_gl *em_canvas_current(struct em_canvas *canvas, struct em_error 
 enum em_status em_canvas_new(struct em_canvas **canvas, int width, int height,
                              struct em_error *err) {
   static const int wanted[] = {OSMESA_FORMAT,
-                               OSMESA_RGBA,
+                               OSMESA_BGRA,
                                OSMESA_DEPTH_BITS,
                                24,
                                OSMESA_PROFILE,
@@ -77,7 +77,7 @@ enum em_status em_canvas_new(struct em_canvas **canvas, int width, int height,
   return EM_OK;
 }
 
-const uint8_t *em_canvas_read(struct em_canvas *canvas) {
+uint8_t *em_canvas_read(struct em_canvas *canvas) {
   canvas->gl.Finish();
   return canvas->pixel;
 }

@@ -15,7 +15,6 @@
   X(PFNGLDISABLEPROC, Disable)                                                 \
   X(PFNGLDEPTHMASKPROC, DepthMask)                                             \
   X(PFNGLCULLFACEPROC, CullFace)                                               \
-  X(PFNGLBLENDFUNCPROC, BlendFunc)                                             \
   X(PFNGLFINISHPROC, Finish)                                                   \
   X(PFNGLREADPIXELSPROC, ReadPixels)                                           \
   X(PFNGLCREATESHADERPROC, CreateShader)                                       \
@@ -49,16 +48,7 @@
   X(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                         \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                           \
   X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                         \
-  X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                 \
-  X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                 \
-  X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                           \
-  X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                   \
-  X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                 \
-  X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                                 \
-  X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                               \
-  X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                               \
-  X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample)   \
-  X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)
+  X(PFNGLBLENDFUNCPROC, BlendFunc)
 
 struct em_gl {
 #define EM_GL_FIELD(type, name) type name;

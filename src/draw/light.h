@@ -5,7 +5,6 @@
 
 #define EM_LIGHT_GLSL                                                          \
   "#version 330 core\n"                                                        \
-  "#extension GL_ARB_sample_shading : enable\n"                                \
   "const vec3 KEY = vec3(-0.3810, 0.6873, 0.6184);\n"                          \
   "const vec3 FILL = vec3(0.8682, -0.0790, 0.4899);\n"                         \
   "/* n normal, v towards the eye, open: how much of the sky is seen */\n"     \

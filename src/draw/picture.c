@@ -9,8 +9,12 @@
 #include "draw/overlay.h"
 #include "draw/solids.h"
 #include "draw/spheres.h"
-#include "draw/target.h"
 #include "eventmill/canvas.h"
+
+struct order {
+  float distance;
+  unsigned index;
+};
 
 struct em_picture {
   const struct em_scene *scene;
@@ -19,14 +23,15 @@ struct em_picture {
   struct em_colour_map map;
   struct em_canvas *canvas;
   const struct em_gl *gl;
-  struct em_target target;
   struct em_spheres spheres;
   struct em_solids solids;
   struct em_occlusion occlusion;
-  struct em_sphere *sphere;
   size_t sphere_room;
+  struct em_sphere *sphere; /* twice sphere_room: as they come, and sorted */
+  struct order *order;      /* sphere_room */
   unsigned bin[EM_OVERLAY_BINS];
   cairo_surface_t *ground, *sheet;
+  uint8_t *small; /* the drawing at the picture's size; NULL where that is the canvas's */
 };
 
 const char *em_picture_name(enum em_picture_by by) {
@@ -79,6 +84,7 @@ struct em_picture_options em_picture_default(const struct em_scene *scene,
   return (struct em_picture_options){
       .width = 1280,
       .height = 720,
+      .smooth = 2,
       .camera = em_camera_make(EM_CAMERA_THREE_QUARTER),
       .by = EM_PICTURE_SPEED,
       .map = EM_COLOUR_LAGOON,
@@ -105,8 +111,10 @@ static enum em_status make_sheets(struct em_picture *p, struct em_error *err) {
   const int w = p->options.width, h = p->options.height;
   p->ground = cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h);
   p->sheet = cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h);
+  if (p->options.smooth > 1) p->small = malloc(4 * (size_t)w * (size_t)h);
   if (cairo_surface_status(p->ground) != CAIRO_STATUS_SUCCESS ||
-      cairo_surface_status(p->sheet) != CAIRO_STATUS_SUCCESS)
+      cairo_surface_status(p->sheet) != CAIRO_STATUS_SUCCESS ||
+      (p->options.smooth > 1 && p->small == NULL))
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a picture of %d x %d", w, h);
   em_overlay_ground(p->ground, p->scene, &p->options, &p->map);
   cairo_surface_flush(p->ground);
@@ -115,12 +123,15 @@ static enum em_status make_sheets(struct em_picture *p, struct em_error *err) {
 
 static enum em_status make_layers(struct em_picture *p, struct em_error *err) {
   const struct em_picture_options *o = &p->options;
-  enum em_status status = em_canvas_new(&p->canvas, o->width, o->height, err);
+  enum em_status status =
+      em_canvas_new(&p->canvas, o->smooth * o->width, o->smooth * o->height, err);
   if (status != EM_OK) return status;
   p->gl = em_canvas_current(p->canvas, err);
   if (p->gl == NULL) return EM_PICTURE;
-  status = em_target_make(&p->target, p->gl, o->width, o->height, err);
-  if (status == EM_OK) status = em_spheres_make(&p->spheres, p->gl, err);
+  p->gl->Viewport(0, 0, o->smooth * o->width, o->smooth * o->height);
+  p->gl->Enable(GL_DEPTH_TEST);
+  p->gl->ClearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  status = em_spheres_make(&p->spheres, p->gl, err);
   if (status == EM_OK)
     status = em_solids_make(&p->solids, p->gl, p->scene, !o->hide_rotor, !o->hide_drum, err);
   return status == EM_OK ? make_sheets(p, err) : status;
@@ -129,6 +140,12 @@ static enum em_status make_layers(struct em_picture *p, struct em_error *err) {
 enum em_status em_picture_new(struct em_picture **picture, const struct em_scene *scene,
                               const struct em_picture_options *options, struct em_error *err) {
   *picture = NULL;
+  if (options->smooth < 1 || options->smooth > 4 || options->width < 1 || options->height < 1 ||
+      options->width > EM_CANVAS_LARGEST / 4 || options->height > EM_CANVAS_LARGEST / 4)
+    return em_error_set(err, EM_INPUT, NULL, 0,
+                        "a picture of %d x %d pixels, %d samples each way: 1 to %d pixels and 1 to 4 "
+                        "samples are possible",
+                        options->width, options->height, options->smooth, EM_CANVAS_LARGEST / 4);
   const bool scaled = options->by == EM_PICTURE_SPEED || options->by == EM_PICTURE_SPIN;
   if (scaled && !(options->high > options->low && isfinite(options->high - options->low)))
     return em_error_set(err, EM_INPUT, NULL, 0, "the scale of colours goes from %g to %g; it must rise",
@@ -181,9 +198,12 @@ static void paint_ball(const struct em_picture *p, const struct em_picture_state
 
 static bool make_room(struct em_picture *p, size_t count) {
   if (count <= p->sphere_room) return true;
-  struct em_sphere *more = realloc(p->sphere, count * sizeof *more);
+  struct em_sphere *more = realloc(p->sphere, 2 * count * sizeof *more);
   if (more == NULL) return false;
   p->sphere = more;
+  struct order *order = realloc(p->order, count * sizeof *order);
+  if (order == NULL) return false;
+  p->order = order;
   p->sphere_room = count;
   return true;
 }
@@ -244,8 +264,26 @@ static size_t add_beads(struct em_picture *p, const struct em_picture_state *sta
   return n;
 }
 
-/* Nearest first, so that what is hidden is not shaded. */
-static void sort_by_depth(struct em_picture *p, size_t count);
+static int farthest_first(const void *a, const void *b) {
+  const float x = ((const struct order *)a)->distance, y = ((const struct order *)b)->distance;
+  return (x < y) - (x > y);
+}
+
+/* Puts the spheres in order, farthest first, into the second half of their room. */
+static const struct em_sphere *sort_by_distance(struct em_picture *p, size_t count) {
+  const float *m = p->aim.view;
+  for (size_t k = 0; k < count; k++) {
+    const float *c = p->sphere[k].place;
+    float eye[3];
+    for (int a = 0; a < 3; a++) eye[a] = m[a] * c[0] + m[4 + a] * c[1] + m[8 + a] * c[2] + m[12 + a];
+    const float d2 = eye[0] * eye[0] + eye[1] * eye[1] + eye[2] * eye[2];
+    p->order[k] = (struct order){p->aim.parallel ? -eye[2] : d2, (unsigned)k};
+  }
+  qsort(p->order, count, sizeof *p->order, farthest_first);
+  struct em_sphere *sorted = p->sphere + p->sphere_room;
+  for (size_t k = 0; k < count; k++) sorted[k] = p->sphere[p->order[k].index];
+  return sorted;
+}
 
 static enum em_status draw_machine_and_balls(struct em_picture *p,
                                              const struct em_picture_state *state,
@@ -258,47 +296,57 @@ static enum em_status draw_machine_and_balls(struct em_picture *p,
   if (!em_occlusion_fill(&p->occlusion, p->sphere, count))
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %zu balls", count);
   count = add_beads(p, state, count);
-  sort_by_depth(p, count);
+  const struct em_sphere *sorted = sort_by_distance(p, count);
   p->gl = em_canvas_current(p->canvas, err);
   if (p->gl == NULL) return EM_PICTURE;
-  em_target_begin(&p->target, p->gl);
+  p->gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   em_solids_draw_metal(&p->solids, p->gl, &p->aim, state->blade_angle);
-  em_spheres_draw(&p->spheres, p->gl, &p->aim, p->sphere, count);
+  em_spheres_draw(&p->spheres, p->gl, &p->aim, sorted, count);
   em_solids_draw_glass(&p->solids, p->gl, &p->aim);
-  em_target_end(&p->target, p->gl);
   return EM_OK;
 }
 
-static int nearest_first(const void *a, const void *b) {
-  const float x = ((const struct em_sphere *)a)->occlusion[3];
-  const float y = ((const struct em_sphere *)b)->occlusion[3];
-  return (x < y) - (x > y);
+/* Averages factor × factor samples into each pixel. */
+static void shrink(const uint8_t *from, uint8_t *to, int width, int height, int factor) {
+  const size_t row = 4 * (size_t)width * (size_t)factor, area = (size_t)(factor * factor);
+  for (int y = 0; y < height; y++)
+    for (int x = 0; x < width; x++, to += 4) {
+      unsigned sum[4] = {0};
+      for (int j = 0; j < factor; j++) {
+        const uint8_t *s = from + (size_t)(y * factor + j) * row + 4 * (size_t)(x * factor);
+        for (int i = 0; i < factor; i++, s += 4)
+          for (int c = 0; c < 4; c++) sum[c] += s[c];
+      }
+      for (int c = 0; c < 4; c++) to[c] = (uint8_t)((sum[c] + area / 2) / area);
+    }
 }
 
-static void sort_by_depth(struct em_picture *p, size_t count) {
-  (void)p;
-  (void)count;
-  (void)nearest_first;
+/* Even and odd bytes of a word times a weight of 0 … 256, two at a time. */
+static uint32_t weaken(uint32_t v, uint32_t weight) {
+  const uint32_t even = ((v & 0x00ff00ffU) * weight >> 8) & 0x00ff00ffU;
+  const uint32_t odd = ((v >> 8 & 0x00ff00ffU) * weight) & 0xff00ff00U;
+  return even | odd;
 }
 
-/* The drawing (premultiplied RGBA) over the ground (BGRX), into the sheet (BGRX). */
+/* The drawing (premultiplied) over the ground; all B, G, R, A. */
 static void compose(const uint8_t *over, const uint8_t *ground, uint8_t *sheet, size_t pixels) {
   for (size_t k = 0; k < 4 * pixels; k += 4) {
-    const unsigned rest = 255U - over[k + 3];
-    for (size_t c = 0; c < 3; c++) {
-      const unsigned under = ground[k + 2 - c] * rest + 127U;
-      const unsigned sum = over[k + c] + ((under + (under >> 8)) >> 8);
-      sheet[k + 2 - c] = (uint8_t)(sum > 255U ? 255U : sum);
-    }
+    uint32_t o, g;
+    memcpy(&o, over + k, sizeof o);
+    memcpy(&g, ground + k, sizeof g);
+    const uint32_t alpha = o >> 24;
+    g = o + weaken(g, 256U - alpha - (alpha >> 7));
+    memcpy(sheet + k, &g, sizeof g);
   }
 }
 
+/* B, G, R, X to R, G, B, A. */
 static void copy_out(const uint8_t *sheet, uint8_t *rgba, size_t pixels) {
-  for (size_t k = 0; k < 4 * pixels; k += 4) {
-    rgba[k] = sheet[k + 2];
-    rgba[k + 1] = sheet[k + 1];
-    rgba[k + 2] = sheet[k];
-    rgba[k + 3] = 255;
+  for (size_t k = 0; k < pixels; k++) {
+    uint32_t v;
+    memcpy(&v, sheet + 4 * k, sizeof v);
+    v = 0xff000000U | (v & 0xff00U) | (v & 0xffU) << 16 | (v >> 16 & 0xffU);
+    memcpy(rgba + 4 * k, &v, sizeof v);
   }
 }
 
@@ -308,14 +356,18 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
   if (status != EM_OK) return status;
   const struct em_picture_options *o = &picture->options;
   const size_t pixels = (size_t)o->width * (size_t)o->height;
-  cairo_surface_flush(picture->sheet);
-  compose(em_canvas_read(picture->canvas), cairo_image_surface_get_data(picture->ground),
-          cairo_image_surface_get_data(picture->sheet), pixels);
+  const uint8_t *drawn = em_canvas_read(picture->canvas);
+  uint8_t *sheet = cairo_image_surface_get_data(picture->sheet);
+  if (o->smooth > 1) {
+    shrink(drawn, picture->small, o->width, o->height, o->smooth);
+    drawn = picture->small;
+  }
+  compose(drawn, cairo_image_surface_get_data(picture->ground), sheet, pixels);
   cairo_surface_mark_dirty(picture->sheet);
   em_overlay_moment(picture->sheet, o, &picture->map, state->time,
                     o->histogram ? picture->bin : NULL);
   cairo_surface_flush(picture->sheet);
-  copy_out(cairo_image_surface_get_data(picture->sheet), rgba, pixels);
+  copy_out(sheet, rgba, pixels);
   return EM_OK;
 }
 
@@ -347,12 +399,13 @@ void em_picture_free(struct em_picture *picture) {
   if (picture->gl != NULL && em_canvas_current(picture->canvas, NULL) != NULL) {
     em_solids_clear(&picture->solids, picture->gl);
     em_spheres_clear(&picture->spheres, picture->gl);
-    em_target_clear(&picture->target, picture->gl);
   }
-  em_canvas_free(picture->canvas);
-  em_occlusion_clear(&picture->occlusion);
   if (picture->ground != NULL) cairo_surface_destroy(picture->ground);
   if (picture->sheet != NULL) cairo_surface_destroy(picture->sheet);
+  em_canvas_free(picture->canvas);
+  em_occlusion_clear(&picture->occlusion);
   free(picture->sphere);
+  free(picture->order);
+  free(picture->small);
   free(picture);
 }

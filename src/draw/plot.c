@@ -78,7 +78,7 @@ static void write_marks(struct em_gnuplot *g, const struct em_plot *plot) {
     if (m->horizontal)
       fprintf(g->out, " at graph 0.01, first %.9g left offset 0,0.6", m->at);
     else
-      fprintf(g->out, " at first %.9g, graph 0.98 right rotate by 90 offset -0.7,0", m->at);
+      fprintf(g->out, " at first %.9g, graph 0.98 right rotate by 90 offset -1,0", m->at);
     fputs(" font ',11' textcolor rgb '#6a707b' noenhanced front\n", g->out);
   }
 }
@@ -136,7 +136,7 @@ static void write_curve(struct em_gnuplot *g, const struct em_plot *plot, size_t
     fprintf(g->out, " %swith boxes fs solid 0.85 noborder %s", axes, colour);
   else
     fprintf(g->out, " %swith lines lw %g %s%s", axes, s->style == EM_PLOT_STEPS ? 1.5 : 2.0, colour,
-            s->style == EM_PLOT_DASHED ? " dt (6,4)" : "");
+            s->style == EM_PLOT_DASHED ? " dt (12,6)" : "");
   if (s->name == NULL) {
     fputs(" notitle", g->out);
   } else {

@@ -125,7 +125,8 @@ enum em_status em_plot_map(const struct em_plot_map *map, const char *path, stru
         "set colorbox vertical user origin screen 0.86,0.16 size screen 0.022,0.64 "
         "border 101\n"
         "set pm3d explicit corners2color c1\n"
-        "splot $cells using 1:2:3 with pm3d\n",
+        /* Twice: the smoothed edges of neighbours let the ground through. */
+        "splot $cells using 1:2:3 with pm3d, $cells using 1:2:3 with pm3d\n",
         g.out);
   return em_gnuplot_end(&g, path, err);
 }

@@ -257,6 +257,8 @@ void em_solids_draw_metal(const struct em_solids *solids, const struct em_gl *gl
                           const struct em_camera_aim *aim, const double *blade_angle) {
   size_t blade = 0;
   begin(solids, gl, aim, 0);
+  gl->Enable(GL_CULL_FACE);
+  gl->CullFace(GL_BACK);
   for (size_t k = 0; k < solids->part_count; k++) {
     const struct em_part *part = &solids->part[k];
     if (part->material == GLASS) continue;
@@ -266,6 +268,7 @@ void em_solids_draw_metal(const struct em_solids *solids, const struct em_gl *gl
                   model);
     draw_part(solids, gl, part, part->blade != NULL ? model : stand);
   }
+  gl->Disable(GL_CULL_FACE);
 }
 
 void em_solids_draw_glass(const struct em_solids *solids, const struct em_gl *gl,

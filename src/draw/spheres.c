@@ -1,7 +1,8 @@
 /* Ray-cast spheres. Seen from the eye, a sphere (centre c, radius r) is bounded by its tangent cone,
- * which touches it in a circle: centre c (1 − r²/c²), radius r √(1 − r²/c²). The octagon around that
- * circle covers the silhouette and nothing else needs rays. Rays start at the octagon, so that the
- * quadratic works with lengths of the size of r and loses no digits. */
+ * which touches it in a circle: centre c (1 − r²/c²), radius r √(1 − r²/c²). The square around that
+ * circle covers the silhouette and nothing else needs rays. Rays start at the square, so that the
+ * quadratic works with lengths of the size of r and loses no digits. A pixel that the silhouette cuts
+ * is covered in part and lets through what is behind: spheres have to come farthest first. */
 #include "draw/spheres.h"
 
 #include <stddef.h>
@@ -20,16 +21,14 @@ static const char vertex[] =
     "flat out float radius;\n"
     "flat out vec4 shade;\n"
     "flat out vec3 base;\n"
-    "out vec3 start;\n" /* from the centre to the octagon */
-    "out vec2 place;\n" /* on the octagon; 1: the silhouette */
-    "const int ORDER[8] = int[8](0, 1, 7, 2, 6, 3, 5, 4);\n"
+    "out vec3 start;\n" /* from the centre to the square */
+    "out vec2 place;\n" /* on the square; 1: the silhouette */
     "void main() {\n"
     "  centre = (view * vec4(sphere.xyz, 1.0)).xyz;\n"
     "  radius = sphere.w;\n"
     "  shade = vec4(mat3(view) * occlusion.xyz, occlusion.w);\n"
     "  base = colour.rgb * colour.rgb;\n"
-    "  float angle = (float(ORDER[gl_VertexID]) + 0.5) * 0.78539816;\n"
-    "  place = vec2(cos(angle), sin(angle)) * 1.09;\n"
+    "  place = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * 1.04;\n"
     "  vec3 back = parallel != 0 ? vec3(0, 0, 1) : -normalize(centre);\n"
     "  float q = parallel != 0 ? 0.0 : radius * radius / dot(centre, centre);\n"
     "  vec3 right = normalize(vec3(back.z, 0, -back.x));\n"
@@ -51,9 +50,8 @@ static const char fragment[] =
     "out vec4 colour;\n"
     "void main() {\n"
     "  float away = length(place);\n"
-    "  float inside = 1.0 - away;\n"
-    "  vec2 grow = vec2(dFdx(away), dFdy(away));\n" /* per pixel, to the right and up */
-    "  if (inside < -0.75 * (abs(grow.x) + abs(grow.y))) discard;\n"
+    "  float cover = clamp(0.5 + (1.0 - away) / length(vec2(dFdx(away), dFdy(away))), 0.0, 1.0);\n"
+    "  if (cover <= 0.0) discard;\n"
     "  vec3 u = parallel != 0 ? vec3(0, 0, -1) : normalize(centre + start);\n"
     "  float b = dot(start, u);\n"
     "  float disc = max(b * b - dot(start, start) + radius * radius, 0.0);\n"
@@ -61,21 +59,10 @@ static const char fragment[] =
     "  vec3 n = normalize(hit);\n"
     "  float open = 1.0 / (1.0 + 1.7 * max(shade.w + dot(shade.xyz, n), 0.0));\n"
     "  vec3 c = lit(base, n, -u, open, 0.16);\n"
-    "  colour = vec4(sqrt(c), 1.0);\n"
+    "  colour = vec4(sqrt(c), 1.0) * cover;\n"
     "  float z = centre.z + hit.z;\n"
     "  float w = parallel != 0 ? 1.0 : -z;\n"
     "  gl_FragDepth = 0.5 + 0.5 * (projection[2][2] * z + projection[3][2]) / w;\n"
-    "#ifdef GL_ARB_sample_shading\n"
-    /* The four places in a pixel that are sampled, relative to its middle. */
-    "  int mask = 0;\n"
-    "  if (inside > dot(grow, vec2(-0.125, -0.375))) mask |= 1;\n"
-    "  if (inside > dot(grow, vec2(0.375, -0.125))) mask |= 2;\n"
-    "  if (inside > dot(grow, vec2(-0.375, 0.125))) mask |= 4;\n"
-    "  if (inside > dot(grow, vec2(0.125, 0.375))) mask |= 8;\n"
-    "  gl_SampleMask[0] = mask;\n"
-    "#else\n"
-    "  if (inside < 0.0) discard;\n"
-    "#endif\n"
     "}\n";
 
 static void describe(const struct em_gl *gl, GLuint index, GLint size, GLenum type, size_t offset) {
@@ -113,7 +100,10 @@ void em_spheres_draw(const struct em_spheres *spheres, const struct em_gl *gl,
   gl->BindVertexArray(spheres->array);
   gl->BindBuffer(GL_ARRAY_BUFFER, spheres->buffer);
   gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *sphere), sphere, GL_STREAM_DRAW);
-  gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 8, (GLsizei)count);
+  gl->Enable(GL_BLEND);
+  gl->BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+  gl->Disable(GL_BLEND);
 }
 
 void em_spheres_clear(struct em_spheres *spheres, const struct em_gl *gl) {

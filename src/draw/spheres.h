@@ -1,4 +1,4 @@
-/* Spheres without polygons: each fragment of a bounding octagon casts its own ray. */
+/* Spheres without polygons: each fragment of a bounding square casts its own ray. */
 #ifndef EM_DRAW_SPHERES_H
 #define EM_DRAW_SPHERES_H
 
@@ -14,6 +14,8 @@ struct em_spheres {
 
 enum em_status em_spheres_make(struct em_spheres *spheres, const struct em_gl *gl,
                                struct em_error *err);
+
+/* Draws spheres, which must come farthest first. */
 void em_spheres_draw(const struct em_spheres *spheres, const struct em_gl *gl,
                      const struct em_camera_aim *aim, const struct em_sphere *sphere, size_t count);
 void em_spheres_clear(struct em_spheres *spheres, const struct em_gl *gl);
