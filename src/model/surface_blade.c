@@ -127,18 +127,21 @@ static double acceleration(const struct search *s, const struct place *p) {
 }
 
 /* Inside the endless bar of the tip `none`: F = ρ² − w² has F'' ≤ 2 U² + 2 w A; the first root of
- * the upper parabola is not later than the exit. */
+ * the upper parabola is not later than the exit. U holds for the time in which a ball falls half
+ * the width, and the step is no longer. */
 static double inside_step(const struct search *s, const struct place *p, const struct turned *q,
                           double bend) {
   const double width = s->a + s->radius, omega = fabs(s->omega);
   const double r = p->r > s->bound ? p->r : s->bound;
-  const double drift = omega > 0.0 ? s->fall / omega : 0.0;
-  double u2 = p->speed + drift + omega * r;
-  u2 = u2 * u2 + (fabs(p->dy) + drift) * (fabs(p->dy) + drift);
-  const double value = fmin((q->rho - width) * (q->rho + width), 0.0), rate = 2.0 * q->rho * q->drho;
-  const double curve = 2.0 * (u2 + width * bend);
+  const double drift = sqrt(width * s->fall);
+  const double u = p->speed + drift + omega * (r + width), w = fabs(p->dy) + drift;
+  const double value = fmin((q->rho - width) * (q->rho + width), 0.0);
+  const double rate = 2.0 * q->rho * q->drho, curve = 2.0 * (u * u + w * w + width * bend);
   const double root = sqrt(rate * rate - 2.0 * curve * value);
-  return rate > 0.0 ? -2.0 * value / (rate + root) : curve > 0.0 ? (root - rate) / curve : INFINITY;
+  const double step = rate > 0.0   ? -2.0 * value / (rate + root)
+                      : curve > 0.0 ? (root - rate) / curve
+                                    : INFINITY;
+  return s->fall > 0.0 ? fmin(step, sqrt(width / s->fall)) : step;
 }
 
 /* A ball that is slower than rounding over half a turn: the time until it has moved by that. */
@@ -161,11 +164,10 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
   const double near = 1e-3 * (s->radius + s->a), deep = -1e-9 * (s->radius + s->a);
   const double cap = s->omega != 0.0 ? 1.0 / fabs(s->omega) : INFINITY;
   const double half = M_PI * cap;
-  double t = 0.0, mark = 0.0, limit = horizon;
+  double t = 0.0, mark = 0.0;
   bool inside = false;
   struct place p = place_at(s, t);
-  const double far = gone(s, &p);
-  if (far < limit) limit = far;
+  const double limit = fmin(fmin(horizon, gone(s, &p)), DBL_MAX);
   while (t <= limit) {
     const struct gap outer = swept(s, &p);
     if (outer.value > near && !(touched && t == 0.0)) {
@@ -186,7 +188,7 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
       step = inside_step(s, &p, &q, bend);
     } else if (f.value <= s->tolerance && f.rate < 0.0) {
       if (s->tip != EM_TIP_NONE || q.x <= s->reach) {
-        t += fmax(f.value, 0.0) / -f.rate;
+        t += f.value > 0.0 ? safe_step(f.value, f.rate, bend) : 0.0;
         return t <= horizon ? t : INFINITY;
       }
       inside = true;
