@@ -44,9 +44,8 @@ static void check_wall_gap(struct em_scene_report *report, const char *path, con
 }
 
 static void check_walls(struct em_scene_report *report, const struct em_scene *scene,
-                        const struct em_blade *blade, const char *path) {
+                        const struct em_blade *blade, double d, const char *path) {
   struct em_scene_body body = em_scene_gap_body(blade);
-  double d = largest_diameter(scene);
   bool drum = scene->chamber.shape == EM_SHAPE_DRUM;
   if (drum)
     check_wall_gap(report, path, "drum wall", em_scene_gap_drum(&body, scene), d);
@@ -75,12 +74,12 @@ static void check_pair(struct em_scene_report *report, const struct em_scene *sc
                        other);
 }
 
-static void check_blades(struct em_scene_report *report, const struct em_scene *scene) {
+static void check_blades(struct em_scene_report *report, const struct em_scene *scene, double d) {
   for (size_t r = 0; r < scene->rotor_count; ++r)
     for (size_t b = 0; b < scene->rotor[r].blade_count; ++b) {
       char path[64];
       blade_path(scene, r, b, sizeof path, path);
-      check_walls(report, scene, &scene->rotor[r].blade[b], path);
+      check_walls(report, scene, &scene->rotor[r].blade[b], d, path);
       for (size_t r2 = 0; r2 <= r; ++r2)
         for (size_t b2 = 0; b2 < (r2 < r ? scene->rotor[r2].blade_count : b); ++b2)
           check_pair(report, scene, r, b, r2, b2);
@@ -194,11 +193,12 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
 
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
   size_t before = report->errors;
-  check_blades(report, scene);
-  for (size_t k = 0; k < scene->species_count; ++k) {
+  for (size_t k = 0; k < scene->species_count; ++k)
     check_diameter(report, scene, k);
+  /* Balls that are far too large would find fault with every blade. */
+  check_blades(report, scene, report->errors == before ? largest_diameter(scene) : 0.0);
+  for (size_t k = 0; k < scene->species_count; ++k)
     check_region(report, scene, k);
-  }
   if (report->errors == before)
     check_packing(report, scene);
 }

@@ -102,7 +102,7 @@ static void add_at(struct em_scene_report *report, const config_setting_t *setti
     add(report, "command line", 0, text);
     return;
   }
-  int line = 0;
+  int line = 1;
   const char *file = report->source->name;
   if (!config_setting_is_root(setting))
     file = em_scene_source_place(report->source, (int)config_setting_source_line(setting), &line);

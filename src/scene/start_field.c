@@ -88,10 +88,14 @@ static size_t cell_index(const struct em_start_field *f, int32_t x, int32_t y, i
   return ((size_t)z * (size_t)f->cells[1] + (size_t)y) * (size_t)f->cells[0] + (size_t)x;
 }
 
-void em_start_field_put(struct em_start_field *field, size_t k) {
+size_t em_start_field_cell(const struct em_start_field *field, struct em_vec r) {
   int32_t c[3];
-  cell_of(field, field->balls->position[k], c);
-  size_t cell = cell_index(field, c[0], c[1], c[2]);
+  cell_of(field, r, c);
+  return cell_index(field, c[0], c[1], c[2]);
+}
+
+void em_start_field_put(struct em_start_field *field, size_t k) {
+  size_t cell = em_start_field_cell(field, field->balls->position[k]);
   field->next[k] = field->head[cell];
   field->head[cell] = (int32_t)k;
 }

@@ -28,6 +28,9 @@ void em_start_field_free(struct em_start_field *field);
 void em_start_field_clear(struct em_start_field *field);
 void em_start_field_put(struct em_start_field *field, size_t k);
 
+/* The number of the cell that a position is in. */
+size_t em_start_field_cell(const struct em_start_field *field, struct em_vec r);
+
 /* Shortest vector from b to a (m), across periodic boundaries. */
 struct em_vec em_start_field_between(const struct em_start_field *field, struct em_vec a,
                                      struct em_vec b);

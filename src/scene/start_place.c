@@ -2,8 +2,10 @@
 #include "scene/start_place.h"
 
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void em_start_place_box(const struct em_start_field *field, const struct em_species *species,
                         struct em_vec *low, struct em_vec *high) {
@@ -55,7 +57,14 @@ static int by_size(const void *a, const void *b) {
   return p->number < q->number ? -1 : p->number > q->number;
 }
 
-enum { TRIES_PER_BALL = 1000, TRIES_MEAN = 40 };
+enum { TRIES_PER_BALL = 1000 };
+
+/* Tries that all balls may take together. Few balls may try long, as the reference's do; for many it
+ * is faster to push them apart. */
+static size_t tries_allowed(size_t balls) {
+  const size_t few = 2000000, each = 8;
+  return balls * each > few ? balls * each : few;
+}
 
 /* Inserts one group's balls from `placed` on until one finds no room; `tries` is what is left. */
 static size_t insert(struct em_start_field *field, const struct em_start_group *group,
@@ -114,6 +123,27 @@ static enum em_status no_room(const struct em_start_field *field, size_t count,
                       placed, total, share);
 }
 
+/* Numbers the balls of a group along the cells of the field, so that neighbours lie close in memory;
+ * they are all alike. */
+static void sort_places(struct em_start_field *field, const struct em_start_group *group) {
+  struct em_vec *r = field->balls->position + group->first;
+  size_t n = group->species->count;
+  double *key = malloc(n * sizeof *key);
+  struct em_vec *sorted = malloc(n * sizeof *sorted);
+  size_t *order = malloc(n * sizeof *order);
+  if (key && sorted && order) {
+    for (size_t k = 0; k < n; ++k)
+      key[k] = (double)em_start_field_cell(field, r[k]);
+    gsl_sort_index(order, key, 1, n);
+    for (size_t k = 0; k < n; ++k)
+      sorted[k] = r[order[k]];
+    memcpy(r, sorted, n * sizeof *r);
+  }
+  free(key);
+  free(sorted);
+  free(order);
+}
+
 enum em_status em_start_place_random(struct em_start_field *field, size_t count,
                                      struct em_start_group *group, gsl_rng *rng,
                                      struct em_error *err) {
@@ -123,7 +153,7 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
   qsort(group, count, sizeof *group, by_size);
   for (size_t g = 0; g < count; ++g)
     total += group[g].species->count;
-  size_t tries = TRIES_MEAN * total + 100000;
+  size_t tries = tries_allowed(total);
   bool *loose = NULL;
   for (size_t g = 0; g < count; ++g) {
     size_t n = loose ? 0 : insert(field, &group[g], rng, &tries);
@@ -138,9 +168,11 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
   }
   if (!loose)
     return EM_OK;
-  for (size_t g = 0; g < count; ++g)
+  for (size_t g = 0; g < count; ++g) {
     for (size_t k = 0; k < group[g].species->count; ++k)
       loose[group[g].first + k] = true;
+    sort_places(field, &group[g]);
+  }
   bool apart = em_start_relax_push(field, loose, rng);
   free(loose);
   return apart ? EM_OK : no_room(field, count, group, placed, err);

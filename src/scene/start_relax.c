@@ -2,39 +2,69 @@
  * for random insertion (beyond about a third of the volume) and not yet near the densest ones. */
 #include <gsl/gsl_randist.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "scene/start_place.h"
 
-/* Balls are pushed a little farther apart than they must be, so that the sweeps come to an end. */
-static const double ROOM = 1e-4;
+/* Balls that overlap are pushed a little farther apart than they must be, so that the sweeps come to
+ * an end. */
+static const double ROOM = 1e-3;
 
-struct pushed {
+/* Balls that are to be looked at in this sweep and in the next: those that moved, and all that might
+ * now overlap them. */
+struct pushing {
   struct em_start_field *field;
   const bool *loose;
-  struct em_vec r, move;
+  bool *now, *next; /* owned */
+  gsl_rng *rng;
+};
+
+/* One ball and its way out. */
+struct pushed {
+  struct pushing *all;
+  struct em_vec r;
   double radius;
   size_t self;
-  gsl_rng *rng;
   bool overlaps;
 };
 
-/* Half of the overlap with ball k if that gives way as well, else all of it. */
+/* Parts two balls: each gives way by half, or this one by all if the other is fixed. Both move at
+ * once; a ball that moved alone could swing between two others for ever. */
 static bool push_from(void *self, size_t k) {
   struct pushed *p = self;
+  const struct em_start_field *f = p->all->field;
   if (k == p->self)
     return true;
-  struct em_vec d = em_start_field_between(p->field, p->r, p->field->balls->position[k]);
-  double sigma = p->radius + p->field->balls->radius[k], r2 = em_vec_norm2(d);
-  double wide = sigma * (1.0 + ROOM), least = sigma * (1.0 + EM_START_CLEARANCE);
-  p->overlaps = p->overlaps || r2 < least * least;
-  if (r2 >= wide * wide)
+  struct em_vec d = em_start_field_between(f, p->r, f->balls->position[k]);
+  double sigma = p->radius + f->balls->radius[k], r2 = em_vec_norm2(d);
+  double least = sigma * (1.0 + EM_START_CLEARANCE);
+  if (r2 >= least * least)
     return true;
+  p->overlaps = true;
   double r = sqrt(r2);
   if (r > 1e-6 * sigma)
     d = em_vec_scale(1.0 / r, d);
   else
-    gsl_ran_dir_3d(p->rng, &d.x, &d.y, &d.z);
-  p->move = em_vec_axpy(p->move, (p->loose[k] ? 0.5 : 1.0) * (wide - r), d);
+    gsl_ran_dir_3d(p->all->rng, &d.x, &d.y, &d.z);
+  double push = sigma * (1.0 + ROOM) - r;
+  if (p->all->loose[k]) {
+    push *= 0.5;
+    f->balls->position[k] = em_vec_axpy(f->balls->position[k], -push, d);
+    p->all->next[k] = true;
+  }
+  p->r = em_vec_axpy(p->r, push, d);
+  return true;
+}
+
+/* Neighbours that the moved ball overlaps are to be looked at again. */
+static bool wake(void *self, size_t k) {
+  struct pushed *p = self;
+  const struct em_start_field *f = p->all->field;
+  struct em_vec d = em_start_field_between(f, p->r, f->balls->position[k]);
+  double least = (p->radius + f->balls->radius[k]) * (1.0 + EM_START_CLEARANCE);
+  if (em_vec_norm2(d) < least * least)
+    p->all->next[k] = true;
   return true;
 }
 
@@ -60,23 +90,26 @@ static struct em_vec inside(const struct em_start_field *f, struct em_vec r, dou
   return r;
 }
 
-/* Moves a ball once; true when it had to be moved because it overlapped. */
-static bool push_ball(struct em_start_field *f, const bool *loose, size_t k, gsl_rng *rng) {
+/* Moves a ball out of what it overlaps; true when it had to be moved. */
+static bool push_ball(struct pushing *all, size_t k) {
+  struct em_start_field *f = all->field;
   struct em_vec low, high, r = f->balls->position[k];
-  double radius = f->balls->radius[k];
-  struct pushed p = {.field = f, .loose = loose, .r = r, .radius = radius, .self = k, .rng = rng};
+  double radius = f->balls->radius[k], in = EM_START_CLEARANCE * radius;
+  struct pushed p = {.all = all, .r = r, .radius = radius, .self = k};
   em_start_field_each(f, r, push_from, &p);
   const struct em_blade *blade = NULL;
-  double gap = em_start_field_blade_gap(f, r, radius, &blade);
-  bool overlaps = p.overlaps || gap < EM_START_CLEARANCE * radius;
-  if (gap < ROOM * radius) {
-    struct em_vec n = em_surface_blade_normal(blade, r, blade->angle);
-    p.move = em_vec_axpy(p.move, ROOM * radius - gap, n);
-  }
+  double gap = em_start_field_blade_gap(f, p.r, radius, &blade);
+  if (!p.overlaps && gap >= in && em_start_field_wall_gap(f, r, radius) >= in)
+    return false;
+  if (gap < in)
+    p.r = em_vec_axpy(p.r, ROOM * radius - gap,
+                      em_surface_blade_normal(blade, p.r, blade->angle));
   em_start_place_box(f, &f->scene->species[f->balls->species[k]], &low, &high);
-  r = inside(f, em_vec_add(r, p.move), radius, low, high);
-  f->balls->position[k] = r;
-  return overlaps;
+  p.r = inside(f, p.r, radius, low, high);
+  f->balls->position[k] = p.r;
+  all->next[k] = true;
+  em_start_field_each(f, p.r, wake, &p);
+  return true;
 }
 
 static void put_all(struct em_start_field *f) {
@@ -85,25 +118,48 @@ static void put_all(struct em_start_field *f) {
     em_start_field_put(f, k);
 }
 
-bool em_start_relax_push(struct em_start_field *field, const bool *loose, gsl_rng *rng) {
-  enum { SWEEPS = 3000 };
-  size_t n = field->balls->count;
-  for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+static bool all_fit(const struct em_start_field *f, const bool *loose) {
+  for (size_t k = 0; k < f->balls->count; ++k)
+    if (loose[k] && !em_start_field_fits(f, k, f->balls->position[k], EM_START_CLEARANCE))
+      return false;
+  return true;
+}
+
+/* Sweeps over the balls that are awake. Gives up when PATIENCE sweeps have not brought the number of
+ * overlaps down by a fifth. */
+static bool sweep_all(struct pushing *all) {
+  enum { PATIENCE = 150 };
+  size_t n = all->field->balls->count, least = n + 1;
+  memcpy(all->next, all->loose, n * sizeof *all->next);
+  for (int idle = 0; idle < PATIENCE; ++idle) {
     size_t overlaps = 0;
-    put_all(field);
+    bool *now = all->next;
+    all->next = all->now;
+    all->now = now;
+    memset(all->next, 0, n * sizeof *all->next);
+    put_all(all->field);
     for (size_t k = 0; k < n; ++k)
-      if (loose[k])
-        overlaps += push_ball(field, loose, k, rng);
-    if (overlaps > 0)
-      continue;
-    /* No overlap was seen while balls moved; make sure that none is left now. */
-    put_all(field);
-    bool apart = true;
-    for (size_t k = 0; k < n && apart; ++k)
-      apart = !loose[k] ||
-              em_start_field_fits(field, k, field->balls->position[k], EM_START_CLEARANCE);
-    if (apart)
-      return true;
+      if (now[k] && all->loose[k])
+        overlaps += push_ball(all, k);
+    if (overlaps == 0) {
+      /* Cells are those at the sweep's beginning: make sure that nothing was overlooked. */
+      put_all(all->field);
+      if (all_fit(all->field, all->loose))
+        return true;
+      memcpy(all->next, all->loose, n * sizeof *all->next);
+    } else if (overlaps < least - least / 5) {
+      least = overlaps;
+      idle = 0;
+    }
   }
   return false;
+}
+
+bool em_start_relax_push(struct em_start_field *field, const bool *loose, gsl_rng *rng) {
+  size_t n = field->balls->count;
+  struct pushing all = {field, loose, calloc(n, sizeof(bool)), calloc(n, sizeof(bool)), rng};
+  bool apart = all.now && all.next && sweep_all(&all);
+  free(all.now);
+  free(all.next);
+  return apart;
 }
