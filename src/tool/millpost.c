@@ -17,6 +17,7 @@ static const struct command commands[] = {
     {"info", "provenance, scene, effects, counts", em_millpost_info},
     {"hist", "how often and how hard: distributions, quartiles, rates", em_millpost_hist},
     {"map", "where: sectors or rings of the drum", em_millpost_map},
+    {"verify", "the laws of an ideal gas, by χ² and Kolmogorov-Smirnov", em_millpost_verify},
     {"power", "torque, energy balance, dissipation per class", em_millpost_power},
     {"steady", "from when on a run is stationary", em_millpost_steady},
 };

@@ -47,7 +47,7 @@ struct em_millpost_options {
   double target;            /* NAN */
   long bins, slices, tubes, sectors, rings, every; /* 0 */
   bool cumulative, curve, log, relative, spread;   /* false */
-  bool scene; /* false */
+  bool scene, anyway;       /* false */
 };
 
 /* What --help says. options: names of long options that the command takes, "" ends the list;

@@ -53,6 +53,7 @@ static const struct option_entry entries[] = {
     {"to-format", "FORMAT", "xdmf vtk lammps csv pov or stl", TEXT, AT(to_format), 0},
     {"at", "T", "only the frame at T seconds", NUMBER, AT(at), 0},
     {"every", "N", "every Nth frame only; default: 1", WHOLE, AT(every), 0},
+    {"anyway", NULL, "test laws also where the scene does not promise them", FLAG, AT(anyway), 0},
     {"scene", NULL, "print the scene that the run was made from", FLAG, AT(scene), 0},
     {"output", "FILE", "-o FILE: write a picture (.png .svg .pdf, or .gp for gnuplot)", TEXT,
      AT(out), 0},

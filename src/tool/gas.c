@@ -1,0 +1,430 @@
+/* Samples what an ideal gas promises from a run. */
+#include "tool/gas.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tool/trace.h"
+
+/* Ball-ball collisions per ball: until the start is forgotten, between two samples of the same
+ * balls, and within one window of collisions. */
+static const double SETTLE = 30.0, APART = 15.0, WITHIN = 0.1;
+
+/* Layers that walls impose on the balls near them have faded so many diameters away. */
+static const double LAYERS = 3.0;
+
+enum { MOST_VALUES = 1000000 };
+
+#define KEY(code, key, words, law, tie) key,
+#define WORDS(code, key, words, law, tie) words,
+#define LAW(code, key, words, law, tie) EM_DISTRIBUTION_##law,
+#define TIE(code, key, words, law, tie) tie,
+static const char *const keys[] = {EM_GAS_LIST(KEY)};
+static const char *const all_words[] = {EM_GAS_LIST(WORDS)};
+static const enum em_distribution laws[] = {EM_GAS_LIST(LAW)};
+static const enum em_gas_tie ties[] = {EM_GAS_LIST(TIE)};
+
+const char *em_gas_key(enum em_gas_quantity q) {
+  return keys[q];
+}
+
+const char *em_gas_words(enum em_gas_quantity q) {
+  return all_words[q];
+}
+
+enum em_distribution em_gas_law(enum em_gas_quantity q) {
+  return laws[q];
+}
+
+enum em_gas_tie em_gas_tie(enum em_gas_quantity q) {
+  return ties[q];
+}
+
+void em_gas_free(struct em_gas *gas) {
+  if (!gas) return;
+  for (int q = 0; q < EM_GAS_COUNT; q++) free(gas->x[q]);
+  for (int w = 0; w < 3; w++)
+    for (int m = 0; m < EM_GAS_MODES; m++) free(gas->waves[w].series[m]);
+  free(gas);
+}
+
+/* ---------------------------------------------------------------- what a scene promises */
+
+static bool is_elastic(const struct em_contact_law *law) {
+  if (law->normal.law != EM_LAW_CONSTANT || law->normal.p[0] != 1.0) return false;
+  if (law->rule == EM_RULE_SMOOTH) return true;
+  if (law->rule == EM_RULE_FRICTION) return law->friction == 0.0;
+  return law->tangential == 1.0;
+}
+
+const char *em_gas_no_velocities(const struct em_scene *scene) {
+  const struct em_chamber *c = &scene->chamber;
+  for (size_t r = 0; r < scene->rotor_count; r++)
+    for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
+      if (scene->rotor[r].blade[k].omega != 0.0) return "a rotor drives the balls";
+  if (c->ramp_half > 0.0) return "faked ramps do not reflect like walls";
+  for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
+    if (cls == EM_CLASS_BLADE && em_scene_blade_count(scene) == 0) continue;
+    if (!is_elastic(&scene->contact[cls])) return "contacts are not elastic and smooth";
+  }
+  return "";
+}
+
+const char *em_gas_no_places(const struct em_scene *scene) {
+  const char *no_velocities = em_gas_no_velocities(scene);
+  if (*no_velocities) return no_velocities;
+  if (em_vec_norm(scene->gravity) > 0.0) return "gravity";
+  if (em_scene_blade_count(scene) > 0) return "blades take up space";
+  return "";
+}
+
+/* ---------------------------------------------------------------- how often balls collide */
+
+/* Ball-ball collisions per ball at any time, by the observables. */
+struct pace {
+  struct em_trace trace;
+  double per_ball; /* 2/N */
+};
+
+static double pace_at(const struct pace *pace, double t) {
+  const struct em_trace *c = &pace->trace;
+  size_t low = 0, high = c->count - 1;
+  if (t <= c->time[0]) return pace->per_ball * c->value[EM_CLASS_BALL];
+  if (t >= c->time[high]) return pace->per_ball * c->value[high * c->width + EM_CLASS_BALL];
+  while (high - low > 1) {
+    const size_t middle = (low + high) / 2;
+    if (c->time[middle] <= t)
+      low = middle;
+    else
+      high = middle;
+  }
+  const double a = c->value[low * c->width + EM_CLASS_BALL];
+  const double b = c->value[high * c->width + EM_CLASS_BALL];
+  return pace->per_ball * (a + (b - a) * (t - c->time[low]) / (c->time[high] - c->time[low]));
+}
+
+static enum em_status read_pace(struct pace *pace, const struct em_run_file *run,
+                                struct em_error *err) {
+  const struct em_millpost_window all = {.from = 0.0, .to = em_run_file_state(run)->time};
+  const enum em_status status = em_trace_read(&pace->trace, run, "collisions", &all, err);
+  pace->per_ball = 2.0 / (double)em_run_file_ball_count(run);
+  if (status != EM_OK) return status;
+  if (pace->trace.count >= 2 && pace->trace.width == EM_CLASS_COUNT) return EM_OK;
+  return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
+                      "the observables, which tell how often balls collide, are missing");
+}
+
+/* The time at which the start is forgotten; infinite when it never is. */
+static double settled(const struct pace *pace) {
+  for (size_t k = 0; k < pace->trace.count; k++)
+    if (pace_at(pace, pace->trace.time[k]) >= SETTLE) return pace->trace.time[k];
+  return INFINITY;
+}
+
+/* ---------------------------------------------------------------- energy */
+
+static enum em_status read_energy(struct em_gas *gas, const struct em_run_file *run,
+                                  const struct em_scene *scene, struct em_error *err) {
+  const struct em_run_state *state = em_run_file_state(run);
+  const struct em_millpost_window all = {.from = 0.0, .to = state->time};
+  struct em_trace kinetic, potential, spin;
+  enum em_status status = em_trace_read(&kinetic, run, "kinetic_energy", &all, err);
+  if (status != EM_OK) return status;
+  status = em_trace_read(&potential, run, "potential_energy", &all, err);
+  if (status == EM_OK) status = em_trace_read(&spin, run, "spin_energy", &all, err);
+  if (status == EM_OK && kinetic.count > 0) {
+    gas->energy_drift = 0.0;
+    for (size_t k = 0; k < kinetic.count; k++) {
+      double e = kinetic.value[k];
+      if (potential.count == kinetic.count) e += potential.value[k];
+      if (spin.count == kinetic.count) e += spin.value[k];
+      const double drift = fabs(e - state->energy_start) / fabs(state->kinetic_start);
+      gas->energy_drift = fmax(gas->energy_drift, drift);
+    }
+  }
+  em_trace_free(&kinetic);
+  em_trace_free(&potential);
+  em_trace_free(&spin);
+  const double n = (double)em_scene_ball_count(scene);
+  gas->kt = 2.0 * state->kinetic_start / (3.0 * n);
+  return status;
+}
+
+/* ---------------------------------------------------------------- frames */
+
+static bool reserve(struct em_gas *gas, enum em_gas_quantity q, size_t most) {
+  gas->x[q] = malloc((most + 1) * sizeof *gas->x[q]);
+  return gas->x[q] != NULL;
+}
+
+static void put(struct em_gas *gas, enum em_gas_quantity q, size_t most, double x) {
+  if (gas->n[q] < most && isfinite(x)) gas->x[q][gas->n[q]++] = x;
+}
+
+static bool is_closed_loop(const struct em_chamber *c) {
+  return c->shape == EM_SHAPE_BOX && c->periodic[0] && c->periodic[1] && c->periodic[2];
+}
+
+/* Velocity of the centre of mass; 0 unless momentum is conserved. */
+static struct em_vec drift_of(const struct em_balls *balls, const struct em_chamber *c) {
+  struct em_vec p = {0.0, 0.0, 0.0};
+  double mass = 0.0;
+  if (!is_closed_loop(c)) return p;
+  for (size_t i = 0; i < balls->count; i++) {
+    p = em_vec_axpy(p, balls->mass[i], balls->velocity[i]);
+    mass += balls->mass[i];
+  }
+  return em_vec_scale(1.0 / mass, p);
+}
+
+/* Velocities in units of √(J/m): the temperature is divided out when it is known. */
+static void take_velocities(struct em_gas *gas, const struct em_balls *balls, struct em_vec drift,
+                            size_t most) {
+  for (size_t i = 0; i < balls->count; i++) {
+    const double root = sqrt(balls->mass[i]);
+    const struct em_vec v = em_vec_scale(root, em_vec_sub(balls->velocity[i], drift));
+    put(gas, EM_GAS_SPEED, most, em_vec_norm(v));
+    put(gas, EM_GAS_VX, most, v.x);
+    put(gas, EM_GAS_VY, most, v.y);
+    put(gas, EM_GAS_VZ, most, v.z);
+  }
+}
+
+static void take_waves(struct em_gas *gas, const struct em_balls *balls,
+                       const struct em_scene *scene, size_t frame) {
+  const struct em_chamber *c = &scene->chamber;
+  struct em_vec low, high;
+  em_scene_bounds(scene, &low, &high);
+  for (size_t i = 0; i < balls->count; i++) {
+    const struct em_vec r = balls->position[i];
+    const double angle = atan2(r.z, r.x), weight = 1.0 / (double)balls->count;
+    const double u[3] = {(r.x - low.x) / (high.x - low.x), (r.y - low.y) / (high.y - low.y),
+                         (r.z - low.z) / (high.z - low.z)};
+    for (int w = 0; w < 3; w++) {
+      double *const *s = gas->waves[w].series;
+      const bool loop = c->shape == EM_SHAPE_BOX ? c->periodic[w] : w == 0;
+      const double phase = c->shape == EM_SHAPE_BOX ? 2.0 * M_PI * u[w] : angle;
+      if (gas->waves[w].modes == 0) continue;
+      if (loop) {
+        s[0][frame] += weight * cos(phase);
+        s[1][frame] += weight * sin(phase);
+        s[2][frame] += weight * cos(2.0 * phase);
+        s[3][frame] += weight * sin(2.0 * phase);
+      } else { /* odd waves: layers at both walls cancel */
+        s[0][frame] += weight * cos(M_PI * u[w]);
+        s[1][frame] += weight * cos(3.0 * M_PI * u[w]);
+      }
+    }
+  }
+}
+
+static bool prepare_waves(struct em_gas *gas, const struct em_chamber *c, size_t frames) {
+  static const char *const box_key[] = {"position_x", "position_y", "position_z"};
+  static const char *const box_words[] = {"positions, x", "positions, y", "positions, z"};
+  for (int w = 0; w < 3; w++) {
+    struct em_gas_waves *waves = &gas->waves[w];
+    waves->key = box_key[w];
+    waves->words = box_words[w];
+    if (c->shape == EM_SHAPE_BOX) {
+      waves->modes = c->periodic[w] ? 4 : 2;
+    } else if (w < 2) {
+      waves->modes = w == 0 ? 4 : 2;
+      waves->key = w == 0 ? "position_angle" : "position_axial";
+      waves->words = w == 0 ? "positions, angle" : "positions, along the axis";
+    }
+    for (int m = 0; m < waves->modes; m++)
+      if (!(waves->series[m] = calloc(frames, sizeof(double)))) return false;
+  }
+  return true;
+}
+
+static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *run,
+                                  const struct pace *pace, double from, double to,
+                                  struct em_error *err) {
+  const struct em_scene *scene = em_run_file_scene(run);
+  const size_t frames = em_run_file_frame_count(run), balls_count = em_run_file_ball_count(run);
+  const size_t most = balls_count > MOST_VALUES ? balls_count : MOST_VALUES;
+  for (int q = EM_GAS_SPEED; q <= EM_GAS_VZ; q++)
+    if (!reserve(gas, (enum em_gas_quantity)q, most))
+      return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  if (!prepare_waves(gas, &scene->chamber, frames + 1))
+    return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  struct em_balls *balls = NULL;
+  enum em_status status = em_run_file_balls(run, &balls, err);
+  double before = -INFINITY;
+  for (size_t k = 0; status == EM_OK && k < frames; k++) {
+    const double t = em_run_file_frame_time(run, k);
+    if (t < from || t > to) continue;
+    status = em_run_file_frame(run, k, balls, err);
+    if (status != EM_OK) break;
+    take_waves(gas, balls, scene, gas->wave_frames++);
+    if (pace_at(pace, t) - before < APART || gas->n[EM_GAS_SPEED] + balls->count > most) continue;
+    before = pace_at(pace, t);
+    take_velocities(gas, balls, drift_of(balls, &scene->chamber), most);
+    gas->frames++;
+  }
+  if (status == EM_OK && gas->frames == 0)
+    status = em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
+                          "no frame between %g s and %g s", from, to);
+  gas->mass = status == EM_OK ? balls->mass[0] : NAN;
+  for (size_t i = 1; status == EM_OK && i < balls->count; i++)
+    if (balls->mass[i] != balls->mass[0]) gas->mass = NAN;
+  em_start_free(balls);
+  return status;
+}
+
+/* Turns velocities into units of √(kT/m), and components into units of their own σ. */
+static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
+  const size_t n = gas->n[EM_GAS_SPEED], balls = em_scene_ball_count(scene);
+  const double lost = is_closed_loop(&scene->chamber) ? 1.0 / (double)balls : 0.0;
+  double sum = 0.0;
+  for (int d = 0; d < 3; d++) {
+    gas->square[d] = 0.0;
+    for (size_t i = 0; i < n; i++) gas->square[d] += gas->x[EM_GAS_VX + d][i] * gas->x[EM_GAS_VX + d][i];
+    sum += gas->square[d];
+  }
+  /* Without its centre of mass, the gas has (N−1)/N of its degrees of freedom. */
+  gas->kt_frames = sum / (3.0 * (double)n * (1.0 - lost));
+  if (em_vec_norm(scene->gravity) > 0.0) gas->kt = gas->kt_frames;
+  const double unit = sqrt(gas->kt * (1.0 - lost));
+  for (size_t i = 0; i < n; i++) gas->x[EM_GAS_SPEED][i] /= unit;
+  for (int d = 0; d < 3; d++) {
+    const double own = sqrt(gas->square[d] / (double)n);
+    for (size_t i = 0; i < n; i++) gas->x[EM_GAS_VX + d][i] /= own;
+    gas->square[d] /= gas->kt;
+  }
+  gas->sigma = sqrt(gas->kt / gas->mass);
+}
+
+/* ---------------------------------------------------------------- collisions */
+
+struct sampler {
+  struct em_gas *gas;
+  const struct em_scene *scene;
+  const struct em_balls *balls;
+  double margin; /* m, from walls */
+  size_t most;
+};
+
+static bool is_deep(const struct sampler *s, const float place[3]) {
+  const struct em_chamber *c = &s->scene->chamber;
+  const double p[3] = {(double)place[0], (double)place[1], (double)place[2]};
+  if (c->shape == EM_SHAPE_DRUM)
+    return hypot(p[0], p[2]) < 0.5 * c->diameter - s->margin && p[1] > s->margin &&
+           p[1] < c->length - s->margin;
+  const double size[3] = {c->size.x, c->size.y, c->size.z};
+  for (int d = 0; d < 3; d++)
+    if (!c->periodic[d] && (p[d] < s->margin || p[d] > size[d] - s->margin)) return false;
+  return true;
+}
+
+static void take_pair(struct sampler *s, const struct em_rows *rows, size_t k) {
+  if (rows->partner[k] >= s->balls->count) return;
+  const double a = s->balls->mass[rows->ball[k]], b = s->balls->mass[rows->partner[k]];
+  const double unit = sqrt(s->gas->kt * (a + b) / (a * b));
+  const double vn = (double)rows->vn[k], g = hypot(vn, (double)rows->vt[k]);
+  put(s->gas, EM_GAS_VN, s->most, vn / unit);
+  put(s->gas, EM_GAS_RELATIVE, s->most, g / unit);
+  if (g > 0.0) put(s->gas, EM_GAS_IMPACT, s->most, (double)rows->vt[k] / g);
+  if (!is_deep(s, rows->place[k])) return;
+  for (int d = 0; d < 3; d++)
+    put(s->gas, (enum em_gas_quantity)(EM_GAS_NORMAL_X + d), s->most,
+        0.5 * (1.0 + (double)rows->normal[k][d]));
+}
+
+static void take_wall(struct sampler *s, const struct em_rows *rows, size_t k) {
+  const double unit = sqrt(s->gas->kt / s->balls->mass[rows->ball[k]]);
+  const bool drum = rows->cls[k] == EM_CLASS_DRUM;
+  put(s->gas, drum ? EM_GAS_VN_DRUM : EM_GAS_VN_END, s->most, (double)rows->vn[k] / unit);
+  const struct em_chamber *c = &s->scene->chamber;
+  if (!drum || c->shape != EM_SHAPE_DRUM) return;
+  const double angle = atan2((double)rows->place[k][2], (double)rows->place[k][0]);
+  put(s->gas, EM_GAS_DRUM_ANGLE, s->most, 0.5 + angle / (2.0 * M_PI));
+  const double y = ((double)rows->place[k][1] - s->margin) / (c->length - 2.0 * s->margin);
+  if (y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, s->most, y);
+}
+
+/* The windows lie where the count of collisions per ball, less that at the begin, modulo `period`, is
+ * below WITHIN. */
+static enum em_status from_rows(struct sampler *s, const struct em_run_file *run,
+                                const struct pace *pace, double from, double to,
+                                struct em_error *err) {
+  const unsigned columns = EM_COLUMN_ALL & ~(unsigned)EM_COLUMN_LOST;
+  struct em_rows *rows = em_run_file_rows_new(columns);
+  if (!rows) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  for (int q = EM_GAS_RELATIVE; q < EM_GAS_COUNT; q++)
+    if (!reserve(s->gas, (enum em_gas_quantity)q, s->most)) {
+      em_run_file_rows_free(rows);
+      return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+    }
+  enum em_status status = EM_OK;
+  const double begin = pace_at(pace, from);
+  double window = -1.0;
+  for (uint64_t first = 0; status == EM_OK; first += rows->count) {
+    status = em_run_file_rows(run, first, rows, err);
+    if (status != EM_OK || rows->count == 0 || rows->time[0] > to) break;
+    for (size_t k = 0; k < rows->count; k++) {
+      const double t = rows->time[k];
+      if (t < from || t > to || rows->ball[k] >= s->balls->count) continue;
+      const double turns = (pace_at(pace, t) - begin) / APART;
+      if ((turns - floor(turns)) * APART >= WITHIN) continue;
+      s->gas->windows += floor(turns) > window;
+      window = floor(turns);
+      if (rows->cls[k] == EM_CLASS_BALL) take_pair(s, rows, k);
+      if (rows->cls[k] == EM_CLASS_DRUM || rows->cls[k] == EM_CLASS_END) take_wall(s, rows, k);
+    }
+  }
+  em_run_file_rows_free(rows);
+  return status;
+}
+
+/* ---------------------------------------------------------------- all together */
+
+static double largest_diameter(const struct em_scene *scene) {
+  double d = 0.0;
+  for (size_t k = 0; k < scene->species_count; k++) d = fmax(d, scene->species[k].diameter);
+  return d;
+}
+
+static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
+                             const struct pace *pace, double from, double to,
+                             struct em_error *err) {
+  const struct em_scene *scene = em_run_file_scene(run);
+  const double end = em_run_file_state(run)->time;
+  if (isnan(to) || to > end) to = end;
+  if (isnan(from)) from = settled(pace);
+  if (!(from < to))
+    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
+                        "too short to verify: %.3g ball-ball collisions per ball, at least %g are "
+                        "needed before the start is forgotten",
+                        pace_at(pace, end), SETTLE);
+  enum em_status status = read_energy(gas, run, scene, err);
+  if (status == EM_OK) status = from_frames(gas, run, pace, from, to, err);
+  if (status != EM_OK) return status;
+  scale_velocities(gas, scene);
+  if (!em_run_file_has_rows(run)) return EM_OK;
+  struct em_balls *balls = NULL;
+  status = em_run_file_balls(run, &balls, err);
+  struct sampler sampler = {gas, scene, balls, LAYERS * largest_diameter(scene), MOST_VALUES};
+  if (status == EM_OK) status = from_rows(&sampler, run, pace, from, to, err);
+  em_start_free(balls);
+  return status;
+}
+
+enum em_status em_gas_new(struct em_gas **out, const struct em_run_file *run, double from, double to,
+                          struct em_error *err) {
+  *out = NULL;
+  struct em_gas *gas = calloc(1, sizeof *gas);
+  struct pace pace = {.per_ball = 0.0};
+  if (!gas) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  gas->energy_drift = NAN;
+  enum em_status status = read_pace(&pace, run, err);
+  if (status == EM_OK) status = sample(gas, run, &pace, from, to, err);
+  em_trace_free(&pace.trace);
+  if (status == EM_OK)
+    *out = gas;
+  else
+    em_gas_free(gas);
+  return status;
+}
