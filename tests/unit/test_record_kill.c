@@ -1,0 +1,208 @@
+/* Run files when the program dies or the disk fails: at every single call that changes the disk. The
+ * test takes the place of the system's pwrite, rename, link, unlink and ftruncate; at the n-th call
+ * it kills the process in the midst of it, or reports a full disk. */
+#include <errno.h>
+#include <limits.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include <cmocka.h>
+
+#include "run_digest.h"
+
+/* ---------------------------------------------------------------- the faulty disk */
+
+enum fault { NONE, KILL, FULL };
+static enum fault fault;
+static long calls, fuse; /* calls so far; the one at which the fault strikes */
+
+static int strikes(void) {
+  calls++;
+  return fault == KILL ? calls == fuse : fault == FULL ? calls >= fuse : 0;
+}
+
+static void die(void) {
+  syscall(SYS_kill, syscall(SYS_getpid), SIGKILL);
+}
+
+/* Half of the bytes arrive before the kill. */
+ssize_t pwrite(int fd, const void *data, size_t size, off_t at) {
+  if (strikes()) {
+    if (fault == FULL) {
+      errno = ENOSPC;
+      return -1;
+    }
+    syscall(SYS_pwrite64, fd, data, size / 2, at);
+    die();
+  }
+  return syscall(SYS_pwrite64, fd, data, size, at);
+}
+
+int rename(const char *from, const char *to) {
+  if (strikes() && fault == KILL) die();
+  return (int)syscall(SYS_rename, from, to);
+}
+
+int link(const char *from, const char *to) {
+  if (strikes() && fault == KILL) die();
+  return (int)syscall(SYS_link, from, to);
+}
+
+int unlink(const char *path) {
+  if (strikes() && fault == KILL) die();
+  return (int)syscall(SYS_unlink, path);
+}
+
+int ftruncate(int fd, off_t size) {
+  if (strikes() && fault == KILL) die();
+  return (int)syscall(SYS_ftruncate, fd, size);
+}
+
+/* ---------------------------------------------------------------- the runs */
+
+static const char *path_of(const char *name) {
+  static char path[256];
+  snprintf(path, sizeof path, "%s/%s", digest_folder(), name);
+  return path;
+}
+
+static enum em_status record(const char *path, struct em_error *err) {
+  static const char *const overrides[] = {"duration=0.012", "balls.count=40"};
+  struct em_scene *scene = digest_scene(SMALL_MILL, 2, overrides);
+  const struct em_recorder_options options = {.path = path, .resume = true};
+  const enum em_status status = em_recorder_run(scene, &options, NULL, NULL, err);
+  em_scene_free(scene);
+  return status;
+}
+
+/* In a process of its own; returns what waitpid tells. */
+static int record_apart(const char *path, enum fault what, long when) {
+  const pid_t child = fork();
+  if (child == 0) {
+    struct em_error err = {0};
+    fault = what;
+    fuse = when;
+    calls = 0;
+    const enum em_status status = record(path, &err);
+    if (status && !(status == EM_FILE && strstr(err.text, "No space left"))) _exit(99);
+    _exit(status ? 1 : 0);
+  }
+  int result = 0;
+  waitpid(child, &result, 0);
+  return result;
+}
+
+/* The same, and how many calls it took. */
+static uint64_t record_whole(const char *path, long *count) {
+  struct em_error err = {0};
+  uint64_t digest = 0;
+  calls = 0;
+  if (record(path, &err)) fail_msg("%s", err.text);
+  *count = calls;
+  assert_int_equal(digest_run(path, &digest, &err), EM_OK);
+  return digest;
+}
+
+static void remove_run(const char *path) {
+  char other[300];
+  unlink(path);
+  snprintf(other, sizeof other, "%s.next", path);
+  unlink(other);
+  snprintf(other, sizeof other, "%s.prev", path);
+  unlink(other);
+}
+
+/* What is there can be read to its end, and goes on to the end of the uninterrupted run. */
+static void check_and_finish(const char *path, uint64_t whole, long when) {
+  struct em_error err = {0};
+  uint64_t digest = 0;
+  if (access(path, F_OK) == 0 && digest_run(path, &digest, &err))
+    fail_msg("call %ld: %s", when, err.text);
+  if (record(path, &err)) fail_msg("call %ld: %s", when, err.text);
+  if (digest_run(path, &digest, &err)) fail_msg("call %ld: %s", when, err.text);
+  if (digest != whole) fail_msg("call %ld: resumed run differs", when);
+}
+
+/* The long form tries every single call. */
+#ifdef EVERY_CALL
+enum { KILLS = INT_MAX, FULLS = INT_MAX };
+#else
+enum { KILLS = 50, FULLS = 15 };
+#endif
+
+/* The step that makes about `tries` tries. */
+static long step_of(long count, long tries) {
+  return count < tries ? 1 : count / tries;
+}
+
+static void killed_at_any_call_the_file_is_valid_and_resumes(void **state) {
+  (void)state;
+  long count;
+  const uint64_t whole = record_whole(path_of("whole.h5"), &count);
+  assert_true(count > 200);
+  print_message("# %ld calls change the disk\n", count);
+  for (long when = 1; when <= count; when += step_of(count, KILLS)) {
+    const char *path = path_of("killed.h5");
+    remove_run(path);
+    const int result = record_apart(path, KILL, when);
+    assert_true(WIFSIGNALED(result) && WTERMSIG(result) == SIGKILL);
+    check_and_finish(path, whole, when);
+  }
+}
+
+/* Killed again and again at the same few calls of every try, it must come to its end still when the
+ * fuse is long enough for one flush. */
+static void killed_when_resuming_it_goes_on(void **state) {
+  (void)state;
+  long count;
+  const uint64_t whole = record_whole(path_of("whole2.h5"), &count);
+  const char *path = path_of("often.h5");
+  remove_run(path);
+  int tries = 0, result;
+  do {
+    result = record_apart(path, KILL, count / 3 + 17 * (tries % 7));
+    struct em_error err = {0};
+    uint64_t digest;
+    if (access(path, F_OK) == 0 && digest_run(path, &digest, &err)) fail_msg("%s", err.text);
+  } while (WIFSIGNALED(result) && ++tries < 200);
+  assert_true(WIFEXITED(result) && WEXITSTATUS(result) == 0);
+  assert_true(tries > 2);
+  struct em_error err = {0};
+  uint64_t digest = 0;
+  assert_int_equal(digest_run(path, &digest, &err), EM_OK);
+  assert_true(digest == whole);
+}
+
+static void a_full_disk_is_an_error_and_the_file_stays_valid(void **state) {
+  (void)state;
+  long count;
+  const uint64_t whole = record_whole(path_of("whole3.h5"), &count);
+  for (long when = 1; when <= count; when += step_of(count, FULLS)) {
+    const char *path = path_of("full.h5");
+    remove_run(path);
+    const int result = record_apart(path, FULL, when);
+    assert_true(WIFEXITED(result));
+    /* The last calls are no writes: nothing fails there. */
+    if (WEXITSTATUS(result) > 1) fail_msg("call %ld: unexpected error", when);
+    check_and_finish(path, whole, when);
+  }
+}
+
+static int remove_folder(void **state) {
+  (void)state;
+  digest_folder_remove();
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(killed_at_any_call_the_file_is_valid_and_resumes),
+      cmocka_unit_test(killed_when_resuming_it_goes_on),
+      cmocka_unit_test(a_full_disk_is_an_error_and_the_file_stays_valid),
+  };
+  return cmocka_run_group_tests(tests, NULL, remove_folder);
+}
