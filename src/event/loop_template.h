@@ -59,31 +59,36 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
   return best;
 }
 
-/* The same four at a time, to the same bits. */
-static struct em_prediction FN(first_of_four)(const struct em_world *w, uint32_t i,
-                                              const uint32_t *id, uint32_t n, double now) {
+/* The same four at a time, to the same bits. `fresh`: the last event of all was ball i's, so that the
+ * other balls alone have to be moved on. */
+static inline __attribute__((always_inline)) struct em_prediction FN(first_of_four)(
+    const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now, bool fresh) {
   const struct em_body *body = w->body, *a = &body[i];
   const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
   v4d best = v4d_all(INFINITY);
   v4l who = v4l_all(EM_NOBODY);
-  uint32_t last[4] = {i, i, i, i};
-  for (uint32_t k = n & ~3u, h = 0; k < n; k++) last[h++] = id[k];
+  const uint32_t whole = n & ~3u;
+  const uint32_t last[4] = {whole < n ? id[whole] : i, whole + 1 < n ? id[whole + 1] : i,
+                            whole + 2 < n ? id[whole + 2] : i, i};
   for (uint32_t k = 0; k < n; k += 4) {
     const uint32_t *j = n - k < 4 ? last : id + k;
     v4d x, y, z, u, v, m, t, r;
     four_halves(&body[j[0]].x, &body[j[1]].x, &body[j[2]].x, &body[j[3]].x, &x, &y, &z, &u);
     four_halves(&body[j[0]].vy, &body[j[1]].vy, &body[j[2]].vy, &body[j[3]].vy, &v, &m, &t, &r);
-    const v4d tr = v4d_choose(t > at, t, at);
+    const v4d tr = fresh ? at : v4d_choose(t > at, t, at);
     const v4d da = tr - at, db = tr - t;
-    v4d xa = a->x + a->vx * da, ya = a->y + a->vy * da, za = a->z + a->vz * da;
+    v4d xa = v4d_all(a->x), ya = v4d_all(a->y), za = v4d_all(a->z);
+    if (!fresh) xa = xa + a->vx * da, ya = ya + a->vy * da, za = za + a->vz * da;
     v4d xb = x + u * db, yb = y + v * db, zb = z + m * db;
     v4d ua = v4d_all(a->vx), va = v4d_all(a->vy), wa = v4d_all(a->vz);
     if (WITH(GRAVITY)) {
       const struct em_vec g = w->gravity;
       const v4d ha = 0.5 * da * da, hb = 0.5 * db * db;
-      xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+      if (!fresh) {
+        xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+        ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+      }
       xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
-      ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
       u = u + g.x * db, v = v + g.y * db, m = m + g.z * db;
     }
     v4d dx = xb - xa, dy = yb - ya, dz = zb - za;
@@ -121,8 +126,9 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
                               double now) {
   w->tally.candidates += n;
   if (!w->local_kind->keeps_all) {
-    struct em_prediction p = w->scene->engine.simd ? FN(first_of_four)(w, i, id, n, now)
-                                                   : FN(first_of)(w, i, id, n, now);
+    struct em_prediction p = !w->scene->engine.simd ? FN(first_of)(w, i, id, n, now)
+                             : w->body[i].t >= now  ? FN(first_of_four)(w, i, id, n, now, true)
+                                                    : FN(first_of_four)(w, i, id, n, now, false);
     if (p.time == INFINITY) return true;
     p.counter = w->trace[p.partner].counter;
     return w->local_kind->add(w->local, i, &p);
@@ -204,6 +210,7 @@ static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double
 /* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
  * place or meets another ball. */
 static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
+  if (!w->drum && !w->walls && !WITH(ROTOR)) return true;
   const struct em_body *b = &w->body[i];
   double h = FN(until)(w, i) - b->t;
   if (w->drum) {

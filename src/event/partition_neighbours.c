@@ -141,7 +141,7 @@ static void seen(const struct em_world *w, struct em_places *p, uint32_t i, doub
 }
 
 static double nearest(double d, double period) {
-  return period > 0.0 ? d - period * nearbyint(d / period) : d;
+  return period > 0.0 ? d - period * floor(d / period + 0.5) : d;
 }
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.

@@ -322,8 +322,19 @@ static void collect(struct tie *tie, uint32_t place) {
   collect(tie, 2 * place + 2);
 }
 
+/* Nearly always only the root is tied. */
+static bool is_alone(const struct em_queue *q) {
+  const double time = q->time[q->heap[0]];
+  return (q->heap_size < 2 || q->time[q->heap[1]] != time) &&
+         (q->heap_size < 3 || q->time[q->heap[2]] != time);
+}
+
 static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
   double time;
+  if (q->heap_size > 0 && is_alone(q)) {
+    if (room > 0) ball[0] = q->heap[0];
+    return 1;
+  }
   if (first(q, &time) == EM_QUEUE_NOBODY) return 0;
   struct tie tie = {q, time, ball, room, 0};
   collect(&tie, 0);

@@ -10,6 +10,9 @@
 
 #include "event/body.h"
 
+/* Shells per cell, where these are not too small for it: eight are looked at in one go. */
+#define PER_CELL 5.0
+
 #define FIND find_plain
 static uint32_t find_plain(const struct em_shells *s, const float centre[3], float hull,
                            uint32_t *id, uint32_t most);
@@ -47,11 +50,8 @@ static bool widen(struct em_shells *s) {
 
 static void set_cells(struct em_shells *s, struct em_vec extent) {
   const double length[3] = {extent.x, extent.y, extent.z};
-  const double most = 4.0 * s->count + 64.0;
-  double edge = 2.0 * (s->hull_most + (double)s->slack);
-  while (fmax(1.0, length[0] / edge) * fmax(1.0, length[1] / edge) * fmax(1.0, length[2] / edge) >
-         most)
-    edge *= 1.26;
+  const double share = PER_CELL * extent.x * extent.y * extent.z / fmax(1.0, s->count);
+  const double edge = fmax(2.0 * (s->hull_most + (double)s->slack), cbrt(share));
   for (int k = 0; k < 3; k++) {
     s->n[k] = length[k] > edge ? (int)(length[k] / edge) : 1;
     s->edge[k] = length[k] / s->n[k];
