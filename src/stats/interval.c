@@ -84,7 +84,8 @@ struct em_interval em_interval_series(const double *x, size_t n, double level) {
   /* The test may let a short series pass that still remembers: the factor of an AR(1) series. */
   const double memory = (1.0 + best->correlation) / (1.0 - best->correlation);
   const double variance = memory * best->variance / ((double)best->n - 1.0);
-  const double freedom = fmax(1.0, (double)best->n / memory - 1.0);
+  const double least = fmin(3.0, (double)best->n - 1.0);
+  const double freedom = fmax(least, (double)best->n / memory - 1.0);
   const double alone = stage[0].variance / ((double)n - 1.0);
   struct em_interval out = {mean_of(x, n), NAN, sqrt(variance), freedom, 1.0};
   if (alone > 0.0) out.inefficiency = fmax(1.0, variance / alone);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static enum em_status read_all(struct em_balance *b, const struct em_run_file *run,
-                               const struct em_millpost_window *window, struct em_error *err) {
+                               const struct em_window *window, struct em_error *err) {
   const struct {
     const char *name;
     struct em_trace *trace;
@@ -34,7 +34,7 @@ static bool read_speeds(struct em_balance *b, const struct em_scene *scene) {
 }
 
 enum em_status em_balance_new(struct em_balance *balance, const struct em_run_file *run,
-                              const struct em_millpost_window *window, struct em_error *err) {
+                              const struct em_window *window, struct em_error *err) {
   memset(balance, 0, sizeof *balance);
   enum em_status status = read_all(balance, run, window, err);
   if (status == EM_OK && !read_speeds(balance, em_run_file_scene(run)))

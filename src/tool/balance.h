@@ -4,7 +4,7 @@
 
 #include "eventmill/contact.h"
 #include "eventmill/interval.h"
-#include "tool/millpost.h"
+#include "tool/window.h"
 #include "tool/trace.h"
 
 struct em_balance {
@@ -19,7 +19,7 @@ struct em_balance {
 /* Reads the observables of the window. Errors: EM_INPUT (fewer than 2 samples), EM_MEMORY, and those
  * of reading. */
 enum em_status em_balance_new(struct em_balance *balance, const struct em_run_file *run,
-                              const struct em_millpost_window *window, struct em_error *err);
+                              const struct em_window *window, struct em_error *err);
 void em_balance_free(struct em_balance *balance);
 
 /* Mean power (W) of the blades over the window, in three ways that must agree: work done in the

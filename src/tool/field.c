@@ -58,7 +58,7 @@ static void add(struct em_field *field, size_t group, struct em_vec place, doubl
 /* ---------------------------------------------------------------- frames */
 
 static enum em_status from_frames(struct em_field *field, const struct em_run_file *run,
-                                  const struct em_millpost_window *window, struct em_error *err) {
+                                  const struct em_window *window, struct em_error *err) {
   size_t first = 0, end = em_run_file_frame_count(run);
   while (first < end && em_run_file_frame_time(run, first) < window->from) first++;
   while (end > first && em_run_file_frame_time(run, end - 1) > window->to) end--;
@@ -103,7 +103,7 @@ static double of_row(enum em_field_of of, const struct em_rows *rows, size_t k,
 }
 
 static void add_rows(struct em_field *field, const struct em_rows *rows, unsigned classes,
-                     const struct em_balls *balls, const struct em_millpost_window *window) {
+                     const struct em_balls *balls, const struct em_window *window) {
   for (size_t k = 0; k < rows->count; k++) {
     const double t = rows->time[k];
     if (t < window->from || t >= window->to || !(classes & 1U << rows->cls[k])) continue;
@@ -117,7 +117,7 @@ static void add_rows(struct em_field *field, const struct em_rows *rows, unsigne
 }
 
 static enum em_status from_rows(struct em_field *field, const struct em_run_file *run,
-                                unsigned classes, const struct em_millpost_window *window,
+                                unsigned classes, const struct em_window *window,
                                 struct em_error *err) {
   if (!em_run_file_has_rows(run))
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
@@ -147,7 +147,7 @@ static enum em_status from_rows(struct em_field *field, const struct em_run_file
 
 enum em_status em_field_new(struct em_field **out, const struct em_run_file *run,
                             enum em_field_of of, unsigned classes, struct em_cells *cells,
-                            const struct em_millpost_window *window, struct em_error *err) {
+                            const struct em_window *window, struct em_error *err) {
   *out = NULL;
   struct em_field *field = calloc(1, sizeof *field);
   if (!field) {

@@ -7,7 +7,7 @@
 
 #include "eventmill/cells.h"
 #include "eventmill/interval.h"
-#include "tool/millpost.h"
+#include "tool/window.h"
 
 /* code, name, symbol, unit of the mapped value */
 #define EM_FIELD_LIST(X)                                                       \
@@ -47,7 +47,7 @@ bool em_field_is_mean(enum em_field_of of); /* a mean per value; else a density 
  * file), EM_MEMORY and those of reading. */
 enum em_status em_field_new(struct em_field **field, const struct em_run_file *run,
                             enum em_field_of of, unsigned classes, struct em_cells *cells,
-                            const struct em_millpost_window *window, struct em_error *err);
+                            const struct em_window *window, struct em_error *err);
 void em_field_free(struct em_field *field);
 
 double em_field_values(const struct em_field *field, size_t cell); /* how many fell into it */

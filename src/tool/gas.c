@@ -106,7 +106,7 @@ static double pace_at(const struct pace *pace, double t) {
 
 static enum em_status read_pace(struct pace *pace, const struct em_run_file *run,
                                 struct em_error *err) {
-  const struct em_millpost_window all = {.from = 0.0, .to = em_run_file_state(run)->time};
+  const struct em_window all = {.from = 0.0, .to = em_run_file_state(run)->time};
   const enum em_status status = em_trace_read(&pace->trace, run, "collisions", &all, err);
   pace->per_ball = 2.0 / (double)em_run_file_ball_count(run);
   if (status != EM_OK) return status;
@@ -127,7 +127,7 @@ static double settled(const struct pace *pace) {
 static enum em_status read_energy(struct em_gas *gas, const struct em_run_file *run,
                                   const struct em_scene *scene, struct em_error *err) {
   const struct em_run_state *state = em_run_file_state(run);
-  const struct em_millpost_window all = {.from = 0.0, .to = state->time};
+  const struct em_window all = {.from = 0.0, .to = state->time};
   struct em_trace kinetic, potential, spin;
   enum em_status status = em_trace_read(&kinetic, run, "kinetic_energy", &all, err);
   if (status != EM_OK) return status;

@@ -291,7 +291,7 @@ static enum em_status from_online(struct em_gather *gather, const struct em_run_
 
 enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *run,
                              enum em_gather_of of, unsigned classes,
-                             const struct em_millpost_window *window, struct em_error *err) {
+                             const struct em_window *window, struct em_error *err) {
   *out = NULL;
   struct em_gather *gather = calloc(1, sizeof *gather);
   if (!gather) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");

@@ -10,7 +10,7 @@
 #include "eventmill/histogram.h"
 #include "eventmill/interval.h"
 #include "eventmill/run_file.h"
-#include "tool/millpost.h"
+#include "tool/window.h"
 
 /* code, name, symbol on axes, unit */
 #define EM_GATHER_LIST(X)                                                      \
@@ -52,7 +52,7 @@ const char *em_gather_unit(enum em_gather_of of);
  * file does not hold what the quantity needs), EM_MEMORY, and those of reading. */
 enum em_status em_gather_new(struct em_gather **gather, const struct em_run_file *run,
                              enum em_gather_of of, unsigned classes,
-                             const struct em_millpost_window *window, struct em_error *err);
+                             const struct em_window *window, struct em_error *err);
 void em_gather_free(struct em_gather *gather);
 
 /* Figures of class `row` (or EM_GATHER_ALL) with confidence intervals at `level`. */

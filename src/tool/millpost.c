@@ -20,6 +20,7 @@ static const struct command commands[] = {
     {"verify", "the laws of an ideal gas, by χ² and Kolmogorov-Smirnov", em_millpost_verify},
     {"power", "torque, energy balance, dissipation per class", em_millpost_power},
     {"steady", "from when on a run is stationary", em_millpost_steady},
+    {"compare", "runs side by side, and what differs significantly", em_millpost_compare},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };

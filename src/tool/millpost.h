@@ -76,21 +76,4 @@ int em_millpost_print(struct em_report *report, const struct em_millpost_options
 /* The file's name without folder and ending, cut to size. */
 void em_millpost_label(const char *path, char *label, size_t size);
 
-/* A stretch of time, and in words where its begin comes from. */
-struct em_millpost_window {
-  double from, to; /* s */
-  bool automatic;  /* `from` was found, not given */
-  bool steady;     /* the run was found to be stationary from there on */
-  double geweke_p; /* NAN: not tested */
-  char how[160];
-};
-
-/* From `from` (NAN: steady start) to `to` (NAN: end of the run). Errors: EM_INPUT for an empty
- * window, and those of reading. */
-enum em_status em_millpost_window(struct em_millpost_window *window, const struct em_run_file *run,
-                                  double from, double to, struct em_error *err);
-
-/* Adds the window's facts to a report. */
-void em_millpost_window_report(struct em_report *report, const struct em_millpost_window *window);
-
 #endif

@@ -7,6 +7,7 @@
 #include "eventmill/plot.h"
 #include "tool/gather.h"
 #include "tool/millpost.h"
+#include "tool/window.h"
 
 enum { MOST_RUNS = 16, LEAST_BINS = 60, MOST_BINS = 2000, ONLINE_BINS = 160 };
 
@@ -34,7 +35,7 @@ static const struct em_millpost_help help = {
 struct input {
   struct em_run_file *file;
   struct em_gather *gather;
-  struct em_millpost_window window;
+  struct em_window window;
   char label[96];
 };
 
@@ -286,7 +287,7 @@ static enum em_status read_inputs(struct input *in, const struct em_millpost_opt
     em_millpost_label(o->run[r], in[r].label, sizeof in[r].label);
     enum em_status status = em_run_file_open(&in[r].file, o->run[r], err);
     if (status == EM_OK)
-      status = em_millpost_window(&in[r].window, in[r].file, o->from, o->to, err);
+      status = em_window_find(&in[r].window, in[r].file, o->from, o->to, err);
     if (status == EM_OK)
       status = em_gather_new(&in[r].gather, in[r].file, of, o->classes, &in[r].window, err);
     if (status != EM_OK) return status;
@@ -305,10 +306,10 @@ static void facts(struct em_report *report, const struct input *in, int runs,
                                       in[r].gather->from, in[r].gather->to, in[r].window.how);
   }
   if (runs > 1) return;
-  struct em_millpost_window used = in[0].window;
+  struct em_window used = in[0].window;
   used.from = in[0].gather->from;
   used.to = in[0].gather->to;
-  em_millpost_window_report(report, &used);
+  em_window_report(report, &used);
   em_report_fact_text(report, "source", "read from", "%s",
                       in[0].gather->of_balls ? "frames"
                       : in[0].gather->online ? "online histograms (whole blocks of time)"

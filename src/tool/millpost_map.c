@@ -9,6 +9,7 @@
 #include "eventmill/sample.h"
 #include "tool/field.h"
 #include "tool/millpost.h"
+#include "tool/window.h"
 
 static const char *const option_names[] = {"cells", "of",     "class", "from",   "to",
                                            "slices", "tubes", "sectors", "rings", "minus",
@@ -119,13 +120,13 @@ static void cell_table(struct em_report *report, const struct em_field *field,
 
 static void facts(struct em_report *report, const struct em_field *field,
                   const struct em_field *minus, const struct em_millpost_options *o,
-                  const struct em_millpost_window *window) {
+                  const struct em_window *window) {
   const struct em_cells *cells = field->cells;
   em_report_fact_text(report, "run", "run", "%s", o->run[0]);
   if (minus) em_report_fact_text(report, "minus", "minus", "%s", o->minus);
   em_report_fact_text(report, "of", "map of", "%s [%s]", em_field_symbol(field->of),
                       em_field_unit(field->of));
-  em_millpost_window_report(report, window);
+  em_window_report(report, window);
   if (cells->kind == EM_CELLS_SECTORS)
     em_report_fact_text(report, "cells_kind", "cells", "%zu sectors in %zu tubes, %zu slices",
                         cells->count, cells->tubes, cells->slices);
@@ -278,7 +279,7 @@ static enum em_status draw(const struct em_run_file *run, const struct em_field 
 struct input {
   struct em_run_file *run;
   struct em_field *field;
-  struct em_millpost_window window;
+  struct em_window window;
 };
 
 static struct em_cells *make_cells(const struct em_chamber *chamber,
@@ -299,7 +300,7 @@ static enum em_status read_input(struct input *in, const char *path,
   const struct em_scene *scene = em_run_file_scene(in->run);
   if (scene->chamber.shape != EM_SHAPE_DRUM)
     return em_error_set(err, EM_INPUT, path, 0, "maps are of drums, this chamber is a box");
-  status = em_millpost_window(&in->window, in->run, o->from, o->to, err);
+  status = em_window_find(&in->window, in->run, o->from, o->to, err);
   if (status != EM_OK) return status;
   /* Both runs are mapped into the cells of the first. */
   struct em_cells *cells = make_cells(chamber ? chamber : &scene->chamber, o);

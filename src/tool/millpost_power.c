@@ -8,6 +8,7 @@
 #include "tool/balance.h"
 #include "tool/gather.h"
 #include "tool/millpost.h"
+#include "tool/window.h"
 
 static const char *const option_names[] = {"from", "to", "above", "level", "output", ""};
 
@@ -71,7 +72,7 @@ struct useful {
 };
 
 static enum em_status from_table(struct useful *useful, const struct em_run_file *run,
-                                 const struct em_millpost_window *window, double threshold,
+                                 const struct em_window *window, double threshold,
                                  struct em_error *err) {
   struct em_rows *rows = em_run_file_rows_new(EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_VN |
                                               EM_COLUMN_LOST);
@@ -107,7 +108,7 @@ static double squares(const struct em_histogram *h, double threshold) {
 /* The mean effective mass of a class cancels within it; Σ ½ m v_n² of the window gives its weight. */
 static enum em_status from_histograms(struct useful *useful, const struct em_run_file *run,
                                       const struct em_balance *b,
-                                      const struct em_millpost_window *window, double threshold,
+                                      const struct em_window *window, double threshold,
                                       struct em_error *err) {
   struct em_gather *gather;
   const enum em_status status = em_gather_new(&gather, run, EM_GATHER_VN, 0, window, err);
@@ -214,12 +215,12 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
 
 static enum em_status analyse(struct em_report *report, const struct em_run_file *run,
                               const struct em_millpost_options *o, struct em_error *err) {
-  struct em_millpost_window window;
+  struct em_window window;
   struct em_balance balance;
   struct em_balls *balls = NULL;
   struct useful useful = {.dissipated = false};
   const double threshold = isnan(o->above) ? 3.0 : o->above;
-  enum em_status status = em_millpost_window(&window, run, o->from, o->to, err);
+  enum em_status status = em_window_find(&window, run, o->from, o->to, err);
   if (status == EM_OK) status = em_run_file_balls(run, &balls, err);
   if (status == EM_OK) status = em_balance_new(&balance, run, &window, err);
   if (status != EM_OK) {
@@ -232,7 +233,7 @@ static enum em_status analyse(struct em_report *report, const struct em_run_file
     status = from_histograms(&useful, run, &balance, &window, threshold, err);
   if (status == EM_OK) {
     em_report_fact_text(report, "run", "run", "%s", o->run[0]);
-    em_millpost_window_report(report, &window);
+    em_window_report(report, &window);
     input_facts(report, &balance, o->level);
     specific_facts(report, &balance, balls);
     class_table(report, &balance, &useful, threshold, o->level);

@@ -7,6 +7,7 @@
 #include "eventmill/plot.h"
 #include "eventmill/steady.h"
 #include "tool/millpost.h"
+#include "tool/window.h"
 #include "tool/trace.h"
 
 static const char *const option_names[] = {"to", "level", "output", ""};
@@ -84,7 +85,7 @@ static void row(struct em_report *report, const struct indicator *indicator,
 }
 
 static enum em_status table(struct em_report *report, const struct em_run_file *run,
-                            const struct em_millpost_window *all, double level,
+                            const struct em_window *all, double level,
                             struct em_error *err) {
   columns(report);
   int rows = 0;
@@ -102,8 +103,8 @@ static enum em_status table(struct em_report *report, const struct em_run_file *
                       "too few observables to tell; run longer or with record.observables higher");
 }
 
-static enum em_status draw(const struct em_run_file *run, const struct em_millpost_window *all,
-                           const struct em_millpost_window *window, const char *path,
+static enum em_status draw(const struct em_run_file *run, const struct em_window *all,
+                           const struct em_window *window, const char *path,
                            struct em_error *err) {
   struct em_trace trace;
   enum em_status status = em_trace_read(&trace, run, "median_speed", all, err);
@@ -134,15 +135,15 @@ int em_millpost_steady(int argc, char **argv) {
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
   if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
-  struct em_millpost_window window = {.from = 0.0}, all;
+  struct em_window window = {.from = 0.0}, all;
   struct em_report *report = em_report_new("steady");
-  enum em_status status = em_millpost_window(&window, run, NAN, options.to, &err);
+  enum em_status status = em_window_find(&window, run, NAN, options.to, &err);
   if (status == EM_OK) {
     all = window;
     all.from = 0.0;
     em_report_fact_text(report, "run", "run", "%s", options.run[0]);
     em_report_fact_text(report, "steady", "steady", "%s", window.steady ? "yes" : "no");
-    em_millpost_window_report(report, &window);
+    em_window_report(report, &window);
     status = table(report, run, &all, options.level, &err);
   }
   if (status == EM_OK && options.out) status = draw(run, &all, &window, options.out, &err);

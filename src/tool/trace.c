@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum em_status em_trace_read(struct em_trace *trace, const struct em_run_file *run,
-                             const char *name, const struct em_millpost_window *window,
+                             const char *name, const struct em_window *window,
                              struct em_error *err) {
   memset(trace, 0, sizeof *trace);
   if (!em_run_file_has(run, name)) return EM_OK;

@@ -6,7 +6,7 @@
 
 #include "eventmill/interval.h"
 #include "eventmill/run_file.h"
-#include "tool/millpost.h"
+#include "tool/window.h"
 
 /* count samples of width numbers; value[k * width + j]. */
 struct em_trace {
@@ -18,7 +18,7 @@ struct em_trace {
 /* The samples of an observable in the window. A run without it gives count = 0. Errors: EM_MEMORY and
  * those of reading. */
 enum em_status em_trace_read(struct em_trace *trace, const struct em_run_file *run,
-                             const char *name, const struct em_millpost_window *window,
+                             const char *name, const struct em_window *window,
                              struct em_error *err);
 void em_trace_free(struct em_trace *trace);
 

@@ -1,0 +1,149 @@
+/* millpost compare: runs side by side, and which differences are more than chance. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "eventmill/plot.h"
+#include "tool/figures.h"
+#include "tool/millpost.h"
+
+enum { MOST_RUNS = 16 };
+
+static const char *const option_names[] = {"from", "to", "above", "level", "output", ""};
+
+static const struct em_millpost_help help = {
+    .name = "compare",
+    .arguments = "RUN RUN [RUN ...]",
+    .summary = "Puts the key figures of runs side by side and tells which differences are significant.",
+    .details =
+        "Each run is held against the first one. A difference counts as significant when its\n"
+        "p-value (Welch), times the number of figures, is below 1 - level; intervals respect correlation\n"
+        "in time. -o draws all figures relative to the first run.",
+    .examples = "  millpost compare plain.h5 ramps.h5\n"
+                "  millpost compare 1000rpm.h5 1300rpm.h5 1700rpm.h5 --above 2 -o compare.png",
+    .options = option_names,
+    .least = 2,
+    .most = MOST_RUNS,
+};
+
+/* Does any run know this figure, and is it anything but 0? */
+static bool is_known(const struct em_figures *f, int runs, int kind) {
+  for (int r = 0; r < runs; r++)
+    if (isfinite(f[r].value[kind].value) && f[r].value[kind].value != 0.0) return true;
+  return false;
+}
+
+static int count_known(const struct em_figures *f, int runs) {
+  int count = 0;
+  for (int k = 0; k < EM_FIGURES_COUNT; k++) count += is_known(f, runs, k);
+  return count;
+}
+
+static void columns(struct em_report *report, char label[][96], int runs) {
+  em_report_begin(report, "figures", NULL);
+  em_report_column(report, "figure", "figure", "");
+  em_report_column(report, "unit", "unit", "");
+  em_report_column(report, label[0], label[0], "");
+  for (int r = 1; r < runs; r++) {
+    char key[128];
+    em_report_column(report, label[r], label[r], "");
+    snprintf(key, sizeof key, "%s_change", label[r]);
+    em_report_column(report, key, "change", "");
+    snprintf(key, sizeof key, "%s_p", label[r]);
+    em_report_column(report, key, "p", "");
+    snprintf(key, sizeof key, "%s_significant", label[r]);
+    em_report_column(report, key, "significant", "");
+  }
+}
+
+static void row(struct em_report *report, const struct em_figures *f, int runs, int kind,
+                double limit) {
+  const struct em_interval *base = &f[0].value[kind];
+  const bool share = kind == EM_FIGURES_SHARE_ABOVE;
+  em_report_text(report, "%s", em_figures_words((enum em_figures_kind)kind));
+  em_report_text(report, "%s", em_figures_unit((enum em_figures_kind)kind));
+  for (int r = 0; r < runs; r++) {
+    const struct em_interval *value = &f[r].value[kind];
+    if (share)
+      em_report_percent_interval(report, value);
+    else
+      em_report_interval(report, value);
+    if (r == 0) continue;
+    const double p = em_interval_difference(base, value);
+    em_report_percent(report, base->value != 0.0 ? value->value / base->value - 1.0 : NAN);
+    em_report_number(report, p);
+    em_report_text(report, "%s", isnan(p) ? "unknown" : p < limit ? "yes" : "no");
+  }
+}
+
+/* One group of points per run, at the place of each figure on the axis. */
+static enum em_status draw(const struct em_figures *f, char label[][96], int runs,
+                           const char *path, struct em_error *err) {
+  struct em_plot_series series[MOST_RUNS];
+  double x[MOST_RUNS][EM_FIGURES_COUNT], y[MOST_RUNS][EM_FIGURES_COUNT],
+      half[MOST_RUNS][EM_FIGURES_COUNT];
+  const char *name[EM_FIGURES_COUNT];
+  size_t count = 0;
+  for (int k = 0; k < EM_FIGURES_COUNT; k++) {
+    const double base = f[0].value[k].value;
+    if (!is_known(f, runs, k) || !(fabs(base) > 0.0)) continue;
+    name[count] = em_figures_key((enum em_figures_kind)k);
+    for (int r = 0; r < runs; r++) {
+      x[r][count] = (double)count + 0.5 * (r - 0.5 * (runs - 1)) / runs;
+      y[r][count] = 100.0 * f[r].value[k].value / base;
+      half[r][count] = 100.0 * f[r].value[k].half / fabs(base);
+    }
+    count++;
+  }
+  for (int r = 0; r < runs; r++)
+    series[r] = (struct em_plot_series){.name = label[r], .style = EM_PLOT_POINTS, .count = count,
+                                        .x = x[r], .y = y[r], .error = half[r]};
+  const struct em_plot_mark mark = {100.0, true, NULL};
+  const struct em_plot plot = {.title = "Key figures",
+                               .subtitle = "relative to the first run, with confidence intervals",
+                               .y_label = "figure / that of the first run  [%]",
+                               .series_count = (size_t)runs,
+                               .series = series,
+                               .mark_count = 1,
+                               .mark = &mark,
+                               .category = name,
+                               .category_count = count,
+                               .width = 1500};
+  return em_plot_draw(&plot, path, err);
+}
+
+int em_millpost_compare(int argc, char **argv) {
+  struct em_millpost_options o;
+  const int code = em_millpost_options(&o, &help, argc, argv);
+  if (code >= 0) return code;
+  const double threshold = isnan(o.above) ? 3.0 : o.above;
+  struct em_figures figures[MOST_RUNS];
+  char label[MOST_RUNS][96];
+  struct em_error err = {.code = EM_OK};
+  struct em_report *report = em_report_new("compare");
+  em_report_fact(report, "threshold", "threshold", threshold, "m/s");
+  em_report_fact(report, "level", "level of the intervals", o.level, "");
+  enum em_status status = EM_OK;
+  for (int r = 0; r < o.run_count && status == EM_OK; r++) {
+    struct em_run_file *run = NULL;
+    status = em_run_file_open(&run, o.run[r], &err);
+    if (status == EM_OK)
+      status = em_figures_read(&figures[r], run, o.from, o.to, threshold, o.level, &err);
+    em_run_file_close(run);
+    if (status != EM_OK) break;
+    em_millpost_label(o.run[r], label[r], sizeof label[r]);
+    em_report_fact_text(report, label[r], label[r], "%g … %g s (%s)", figures[r].window.from,
+                        figures[r].window.to, figures[r].window.how);
+  }
+  if (status == EM_OK) {
+    const int tests = count_known(figures, o.run_count) * (o.run_count - 1);
+    columns(report, label, o.run_count);
+    for (int k = 0; k < EM_FIGURES_COUNT; k++)
+      if (is_known(figures, o.run_count, k))
+        row(report, figures, o.run_count, k, (1.0 - o.level) / (tests > 0 ? tests : 1));
+    if (o.out) status = draw(figures, label, o.run_count, o.out, &err);
+  }
+  if (status == EM_OK) return em_millpost_print(report, &o, EM_MILLPOST_DONE);
+  em_report_free(report);
+  return em_millpost_fail(&err);
+}
