@@ -122,19 +122,32 @@ static double wrapped(double x, double low, double period) {
   return period > 0.0 ? x - period * floor((x - low) / period) : x;
 }
 
+/* Cosine and sine of the shells' angle at time t, to 1e-12: from those of a time nearby, which are
+ * renewed every few thousandths of a turn. */
+static void shells_turn(struct em_places *p, double t, double *c, double *s) {
+  double d = p->omega * (t - p->at);
+  if (!(fabs(d) < 0.02)) {
+    const double angle = p->phase + p->omega * t;
+    p->at = t;
+    p->cos = cos(angle);
+    p->sin = sin(angle);
+    d = 0.0;
+  }
+  const double d2 = d * d;
+  const double cd = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0));
+  const double sd = d * (1.0 - d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0)));
+  *c = p->cos * cd - p->sin * sd;
+  *s = p->sin * cd + p->cos * sd;
+}
+
 /* Position and velocity of ball i at time t, as seen from the shells. */
 static void seen(const struct em_world *w, struct em_places *p, uint32_t i, double t,
                  struct em_vec *x, struct em_vec *v) {
   *x = em_body_at(w, i, t);
   *v = em_body_velocity(w, i, t);
   if (p->omega == 0.0) return;
-  if (t != p->at) {
-    const double angle = p->phase + p->omega * t;
-    p->at = t;
-    p->cos = cos(angle);
-    p->sin = sin(angle);
-  }
-  const double c = p->cos, s = p->sin;
+  double c, s;
+  shells_turn(p, t, &c, &s);
   const double u = v->x - p->omega * x->z, m = v->z + p->omega * x->x;
   *x = em_vec_make(c * x->x - s * x->z, x->y, s * x->x + c * x->z);
   *v = em_vec_make(c * u - s * m, v->y, s * u + c * m);
