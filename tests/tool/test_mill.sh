@@ -1,0 +1,143 @@
+#!/bin/bash
+# mill as a user runs it: good input, bad input, signals, full disks.
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+case ${BUILD:-build} in /*) mill=$BUILD/mill ;; *) mill=$PWD/${BUILD:-build}/mill ;; esac
+work=$(mktemp -d) || exit 2
+mounted=
+trap '[ -n "$mounted" ] && umount "$work/small"; rm -rf "$work"' EXIT
+gas=geometries/ideal-gas.cfg
+number=0 failed=0
+
+report() { # verdict text
+  number=$((number + 1))
+  echo "$1 $number - $2"
+  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
+}
+
+# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
+expect() {
+  local code=$1 pattern=$2 text=$3 status verdict=ok
+  shift 3
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
+  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
+  report "$verdict" "$text"
+}
+
+check() { # TEXT COMMAND...
+  local text=$1
+  shift
+  if "$@" >"$work/out" 2>"$work/err"; then report ok "$text"; else report "not ok" "$text"; fi
+}
+
+small=("$gas" duration=0.002 balls.count=200)
+
+# ---------------------------------------------------------------- usage
+expect 2 "Usage" "no command" "$mill"
+expect 2 "unknown command 'fly'" "unknown command" "$mill" fly
+expect 2 "no scene given" "no scene" "$mill" run
+expect 2 "unknown option '--fast'" "unknown option" "$mill" run $gas --fast
+expect 2 "missing after '-o'" "option without its value" "$mill" run $gas -o
+expect 2 "expected KEY=VALUE, found 'x'" "a second scene" "$mill" run $gas x
+expect 2 "nothere.cfg" "a scene that is not there" "$mill" run nothere.cfg
+expect 2 "error" "unknown entry" "$mill" run $gas balls.colour=3 -o "$work/a.h5"
+expect 2 "error" "entry of the wrong type" "$mill" run $gas duration=long -o "$work/a.h5"
+[ ! -e "$work/a.h5" ] || report "not ok" "bad input leaves a file"
+for command in run check; do
+  check "$command --help has examples" bash -c "'$mill' $command --help | grep -q '^  mill $command geometries/'"
+done
+check "--version names libraries" bash -c "'$mill' --version | grep -q 'HDF5.*GSL.*libconfig'"
+
+# ---------------------------------------------------------------- check
+for scene in geometries/*.cfg; do
+  check "check $scene prints itself" bash -c "
+    '$mill' check $scene >'$work/one.cfg' && '$mill' check '$work/one.cfg' >'$work/two.cfg' &&
+    diff '$work/one.cfg' '$work/two.cfg'"
+done
+
+# ---------------------------------------------------------------- run
+expect 0 "" "run" "$mill" run "${small[@]}" -o "$work/run.h5" -q
+cp "$work/run.h5" "$work/copy.h5"
+expect 2 "exists already" "an existing file is not replaced" "$mill" run "${small[@]}" -o "$work/run.h5" -q
+check "and is untouched" cmp "$work/run.h5" "$work/copy.h5"
+expect 0 "" "resuming a finished run does nothing" "$mill" run "${small[@]}" -o "$work/run.h5" -q --resume
+check "and leaves it as it is" cmp "$work/run.h5" "$work/copy.h5"
+expect 2 "another scene" "resuming with another scene" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" --resume
+expect 0 "" "force replaces" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" -q --force
+check "the default name comes from the scene" bash -c "
+  cd '$work' && '$mill' run '$PWD/$gas' duration=0.001 2>err && grep -q 'writing ideal-gas.h5' err &&
+  test -s ideal-gas.h5"
+check "-o none writes nothing" bash -c "
+  mkdir '$work/empty' && cd '$work/empty' && '$mill' run '$PWD/$gas' duration=0.001 -o none -q &&
+  test -z \"\$(ls)\""
+
+cat >"$work/strict.py" <<'END'
+import json, sys
+def no(word):
+    raise ValueError(word)
+o = json.load(sys.stdin, parse_constant=no)
+keys = """collisions collisions_per_second simulated_time wall_time realtime_factor median_speed median_vn
+rate_above_3 share_above_3 power energy_error collisions_by_class effects seed
+tc_contacts elastic_contacts jam_contacts""".split()
+assert sorted(o) == sorted(keys), sorted(o)
+assert sorted(o["collisions_by_class"]) == ["ball-ball", "ball-blade", "ball-drum", "ball-end"]
+assert sum(o["collisions_by_class"].values()) == o["collisions"]
+assert isinstance(o["effects"], list) and o["seed"] == 1
+assert o["energy_error"] < 1e-9
+for word in sys.argv[1:]:
+    assert o[word] is None, word
+END
+check "--json is strict JSON" bash -c "
+  '$mill' run ${small[*]} -o none --json | /usr/bin/python3 '$work/strict.py'"
+check "--json of nothing has nulls" bash -c "
+  '$mill' run $gas duration=1e-9 balls.count=2 -o none --json | /usr/bin/python3 '$work/strict.py' median_vn"
+expect 1 "collapse" "a collapse ends the run" "$mill" run geometries/bouncing-ball.cfg duration=7.0 \
+  -o "$work/ball.h5" -q
+check "and is told in the file" bash -c "h5dump -a /eventmill/end '$work/ball.h5' | grep -q collapse"
+
+# ---------------------------------------------------------------- signals
+long=(geometries/simoloyer-2l.cfg duration=0.06 balls.count=1000)
+"$mill" run "${long[@]}" -o "$work/whole.h5" -q
+for signal in INT TERM; do
+  rm -f "$work/cut.h5"
+  "$mill" run "${long[@]}" duration=50.0 -o "$work/cut.h5" >"$work/out" 2>"$work/err" &
+  pid=$!
+  for _ in $(seq 100); do [ -e "$work/cut.h5" ] && break; sleep 0.05; done
+  sleep 0.2
+  kill -$signal $pid
+  wait $pid
+  status=$?
+  verdict=ok
+  [ $status -eq 1 ] && grep -q "can be resumed" "$work/err" || verdict="not ok"
+  report "$verdict" "SIG$signal ends the run with exit code 1"
+  check "with a valid file" bash -c "h5dump -a /eventmill/end '$work/cut.h5' | grep -q interrupted"
+done
+
+# ---------------------------------------------------------------- disks
+expect 2 "No such file or directory" "a folder that is not there" "$mill" run "${small[@]}" -o "$work/no/a.h5" -q
+expect 2 "not a plain file" "a device" "$mill" run "${small[@]}" -o /dev/full -q --force
+expect 2 "cannot be written" "a place where nothing can be made" "$mill" run "${small[@]}" -o /proc/a.h5 -q
+many=(geometries/ideal-gas.cfg duration=0.2 record.frames=1000.0 record.checkpoint=0.05)
+# shellcheck disable=SC2317 # called through expect
+limit() { (ulimit -f 4000 && exec "$mill" "$@"); } # kB
+expect 1 "File too large" "a file beyond its limit" limit run "${many[@]}" -o "$work/large.h5" -q
+check "what was flushed can be read" h5dump -a /eventmill/time "$work/large.h5"
+if mkdir "$work/small" && mount -t tmpfs -o size=5m tmpfs "$work/small" 2>/dev/null; then
+  mounted=yes
+  expect 1 "No space left" "a full disk" "$mill" run "${many[@]}" -o "$work/small/full.h5" -q
+  check "what was flushed can be read" h5dump -a /eventmill/time "$work/small/full.h5"
+  check "the second copy is gone" test ! -e "$work/small/full.h5.next"
+  mount -o remount,ro "$work/small"
+  expect 2 "Read-only file system" "a read-only disk" "$mill" run "${small[@]}" -o "$work/small/b.h5" -q
+fi
+
+# ---------------------------------------------------------------- damaged files
+head -c 30000 "$work/whole.h5" >"$work/short.h5"
+expect 2 "truncated, damaged" "resuming a truncated file" "$mill" run "${long[@]}" -o "$work/short.h5" --resume -q
+echo "no HDF5" >"$work/text.h5"
+expect 2 "is not an HDF5 file" "resuming a foreign file" "$mill" run "${long[@]}" -o "$work/text.h5" --resume -q
+
+echo "1..$number"
+exit $failed
