@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "event/body.h"
 #include "event/queue.h"
 
 enum { LEAST_BINS = 8, LARGE_HEAP = 32, SAMPLE = 256 };
@@ -269,9 +270,9 @@ static struct em_queue *make(uint32_t count, double spacing) {
   q->count = count;
   q->bins = count / 2 > LEAST_BINS ? count / 2 : LEAST_BINS;
   q->width = spacing > 0.0 && spacing < INFINITY ? TARGET * spacing : 1.0;
-  q->time = malloc(((size_t)count + 1) * sizeof *q->time);
-  q->link = malloc(((size_t)count + q->bins + 1) * sizeof *q->link);
-  q->heap = malloc(((size_t)count + 1) * sizeof *q->heap);
+  q->time = em_body_array((size_t)count + 1, sizeof *q->time);
+  q->link = em_body_array((size_t)count + q->bins + 1, sizeof *q->link);
+  q->heap = em_body_array((size_t)count + 1, sizeof *q->heap);
   if (!q->time || !q->link || !q->heap) {
     free_queue(q);
     return NULL;
