@@ -77,34 +77,70 @@ static double drum_straight(double q0, double b, double a, bool touched) {
   return b > 0.0 ? -q0 / (b + root) : (root - b) / a;
 }
 
+/* Is q < 0 all the way to the horizon, beyond rounding? q'' is convex on t ≥ 0, so q lies below the
+ * parabola with the larger of its ends; that is convex, so its own ends decide. */
+static bool is_far(const double *q, int degree, double horizon) {
+  const double h = horizon, q3 = q[3], q4 = degree == 4 ? q[4] : 0.0;
+  const double end = 2.0 * q[2] + h * (6.0 * q3 + h * 12.0 * q4);
+  const double bend = fmax(fmax(2.0 * q[2], end), 0.0);
+  const double size = h * (fabs(q[1]) + h * (fabs(q[2]) + h * (fabs(q3) + h * fabs(q4)))) - q[0];
+  return q[0] < 0.0 && q[0] + h * (q[1] + 0.5 * bend * h) < -1e-14 * size;
+}
+
+enum { STEPS = 40 };
+
+/* q, q', q'' of a quartic. */
+struct jet {
+  double value, slope, bend;
+};
+
+static struct jet jet_at(const double *a, double t) {
+  return (struct jet){a[0] + t * (a[1] + t * (a[2] + t * (a[3] + t * a[4]))),
+                      a[1] + t * (2.0 * a[2] + t * (3.0 * a[3] + t * 4.0 * a[4])),
+                      2.0 * a[2] + t * (6.0 * a[3] + t * 12.0 * a[4])};
+}
+
+/* How long after t the quartic rises through 0, by brackets. */
+static double rise_after(const double *a, double t) {
+  const struct jet here = jet_at(a, t);
+  const double shifted[5] = {here.value, here.slope, 0.5 * here.bend, a[3] + 4.0 * t * a[4], a[4]};
+  return em_poly_first_rise(shifted, 4);
+}
+
 /* The first rise of a polynomial q with q(0) ≤ 0 and a positive leading coefficient.
  *
- * From t with q(t) < 0, q(t+s) ≤ q + q' s + ½ B s² as long as t+s ≤ T, where B is the maximum of q''
- * on [t, T] (q'' is convex: the larger of its ends) and q(T) > 0. The first root of that parabola
- * is no later than that of q: stepping there never jumps over it, and converges quadratically.
- * T is the first power-of-two multiple of a guess that is derived from the state. */
+ * Let q(T) > 0. On [t, T] the convex q'' lies below its chord, so for t with q(t) < 0 and t+s ≤ T
+ *     q(t+s) ≤ q + q' s + ½ B s²,   B = q''(t) + ⅓ max(q''(T) − q''(t), 0).
+ * The first root of that parabola is no later than that of q: stepping there never jumps over it.
+ * T starts as a power-of-two multiple of a guess that is derived from the state and follows the
+ * steps; the error then falls with its third power. Where steps stay short (double roots), or
+ * rounding contradicts the bounds, brackets finish from t. */
 static double safe(const double *q, int degree, double guess, double horizon) {
-  double a[5] = {0};
-  memcpy(a, q, (size_t)(degree + 1) * sizeof(*q));
-  double top = guess;
-  while (!(em_poly_value(a, 4, top) > 0.0)) top *= 2.0;
-  const double end = 2.0 * a[2] + top * (6.0 * a[3] + top * 12.0 * a[4]);
-  double t = 0.0;
-  for (int step = 0; step < 40; step++) {
+  const double a[5] = {q[0], q[1], q[2], q[3], degree == 4 ? q[4] : 0.0};
+  double top = guess, t = 0.0;
+  struct jet end = jet_at(a, top);
+  while (!(end.value > 0.0)) end = jet_at(a, top *= 2.0);
+  for (int step = 0;; step++) {
     if (t > horizon) return INFINITY;
-    const double value = em_poly_value(a, 4, t);
-    if (value >= 0.0 && step > 0) return t;
-    const double slope = a[1] + t * (2.0 * a[2] + t * (3.0 * a[3] + t * 4.0 * a[4]));
-    const double here = 2.0 * a[2] + t * (6.0 * a[3] + t * 12.0 * a[4]);
-    const double bound = fmax(fmax(here, end), 0.0);
-    const double root = sqrt(slope * slope - 2.0 * bound * value);
-    const double s = slope > 0.0 ? -2.0 * value / (slope + root) : (root - slope) / bound;
+    const struct jet here = jet_at(a, t);
+    if (here.value >= 0.0 && step > 0) return t;
+    const double rest = end.bend - here.bend;
+    const double bend = fmax(here.bend + fmax(rest, 0.0) / 3.0, 0.0);
+    const double root = sqrt(here.slope * here.slope - 2.0 * bend * here.value);
+    const double s =
+        here.slope > 0.0 ? -2.0 * here.value / (here.slope + root) : (root - here.slope) / bend;
     const double next = t + s;
-    if (!(next < top)) break;
-    if (!(next > t) || s < 4e-16 * t) return next;
+    if (!(next < top) || step == STEPS) return t + rise_after(a, t);
+    if (!(next > t) || (fabs(rest) + bend - here.bend) * s * s < 1e-16 * root * next) return next;
     t = next;
+    if (t + s < top) {
+      const struct jet beyond = jet_at(a, t + s);
+      if (beyond.value > 0.0) {
+        top = t + s;
+        end = beyond;
+      }
+    }
   }
-  return em_poly_first_rise(q, degree);
 }
 
 /* One Newton step for q from x; INFINITY where q falls. */
@@ -152,6 +188,7 @@ static double ferrari(const double *q, int degree, double guess) {
 
 static double solve(const double *q, int degree, double guess, enum em_quartic solver,
                     double horizon) {
+  if (is_far(q, degree, horizon)) return INFINITY;
   switch (solver) {
   case EM_QUARTIC_SAFE: return safe(q, degree, guess, horizon);
   case EM_QUARTIC_FERRARI: return ferrari(q, degree, guess);

@@ -19,6 +19,7 @@ struct search {
   double radius;            /* m, of the ball */
   double a, reach;          /* m, of the blade */
   enum em_tip tip;
+  double rim;               /* m from the blade's centre to the farthest point of a flat end */
   double bound;             /* m from the rotor's axis: no contact is farther out */
   double tolerance;         /* m, rounding of a distance */
 };
@@ -43,14 +44,15 @@ static struct place place_at(const struct search *s, double t) {
 }
 
 /* Distance from the point (x, y) of a half plane to the profile of the slab |y| ≤ a inside the
- * sphere of radius √(reach² + a²), which is what a bar with flat ends sweeps. */
-static struct gap swept_flat(const struct place *p, double reach, double a, double radius) {
+ * sphere of radius rim = √(reach² + a²), which is what a bar with flat ends sweeps. */
+static struct gap swept_flat(const struct place *p, double reach, double a, double rim,
+                             double radius) {
   const double sign = p->y < 0.0 ? -1.0 : 1.0, y = sign * p->y, dy = sign * p->dy;
   const double up = y - a, out = p->r - reach;
   const double turn = p->u * p->du + p->w * p->dw; /* r r' */
   if (up <= 0.0 || up * reach < out * a) {
     const double far = sqrt(p->r * p->r + y * y);
-    return (struct gap){far - sqrt(reach * reach + a * a) - radius,
+    return (struct gap){far - rim - radius,
                         far > 0.0 ? (turn + y * dy) / far : 0.0};
   }
   if (out <= 0.0) return (struct gap){up - radius, dy};
@@ -73,11 +75,11 @@ static struct gap swept_round(const struct place *p, double reach, double a, dou
 static struct gap swept(const struct search *s, const struct place *p) {
   switch (s->tip) {
   case EM_TIP_HEMISPHERE: return swept_round(p, s->reach, s->a, s->radius);
-  case EM_TIP_NONE: return swept_flat(p, s->reach, s->a + s->radius, 0.0);
+  case EM_TIP_NONE: return swept_flat(p, s->reach, s->a + s->radius, s->rim, 0.0);
   case EM_TIP_FLAT:
   case EM_TIP_COUNT: break;
   }
-  return swept_flat(p, s->reach, s->a, s->radius);
+  return swept_flat(p, s->reach, s->a, s->rim, s->radius);
 }
 
 /* In the frame that turns with the blade: x along the bar, ρ from its axis, and their rates. */
@@ -116,6 +118,11 @@ static double safe_step(double f, double rate, double bend) {
   const double root = disc > 0.0 ? sqrt(disc) : 0.0;
   if (rate < 0.0) return 2.0 * f / (root - rate);
   return bend > 0.0 ? (rate + root) / bend : INFINITY;
+}
+
+/* Does f + f' s − ½ bend s² stay above the tolerance for so long? It is concave: the ends decide. */
+static bool is_clear(struct gap f, double bend, double time, double tolerance) {
+  return f.value > tolerance && f.value + (f.rate - 0.5 * bend * time) * time > tolerance;
 }
 
 /* A bound of the acceleration in the frame that turns, valid for the next 1/|ω|:
@@ -167,9 +174,14 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
   double t = 0.0, mark = 0.0;
   bool inside = false;
   struct place p = place_at(s, t);
-  const double limit = fmin(fmin(horizon, gone(s, &p)), DBL_MAX);
+  const double limit = fmin(horizon < INFINITY ? horizon : gone(s, &p), DBL_MAX);
+  /* Rounding of the angle comes on top of that of the place. */
+  const double turned = fabs(s->angle) + fabs(s->omega) * limit;
+  const double doubt = s->tolerance + 4.0 * DBL_EPSILON * turned * s->bound;
   while (t <= limit) {
     const struct gap outer = swept(s, &p);
+    const double rest = limit - t;
+    if (is_clear(outer, s->fall, rest, doubt)) break;
     if (outer.value > near && !(touched && t == 0.0)) {
       t += safe_step(outer.value, outer.rate, s->fall);
       mark = t;
@@ -182,6 +194,7 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
     struct gap f = distance(s, &q);
     if (touched && t == 0.0) f.value = 0.0;
     const double bend = acceleration(s, &p);
+    if (rest < cap && is_clear(f, bend, rest, doubt)) break;
     if (s->tip == EM_TIP_NONE && f.value < deep) inside = true;
     double step;
     if (inside && (f.value < -s->tolerance || f.rate <= 0.0)) {
@@ -226,14 +239,27 @@ static struct search prepare(const struct em_blade *blade, struct em_vec r, doub
   s.pw = em_vec_dot(d, e2);
   s.py = em_vec_dot(d, blade->axis);
   const double a = blade->tip == EM_TIP_NONE ? blade->radius + radius : blade->radius;
-  s.bound = sqrt(blade->reach * blade->reach + a * a) + radius;
+  s.rim = sqrt(blade->reach * blade->reach + a * a);
+  s.bound = s.rim + radius;
   s.tolerance = 8.0 * DBL_EPSILON * (s.bound + fabs(s.pu) + fabs(s.pw) + fabs(s.py));
   return s;
+}
+
+/* Does the ball stay beside the blade, along the rotor's axis, up to the horizon? A lower bound of
+ * its distance from the blade's slice is concave in time, so its ends decide. */
+static bool is_aside(const struct em_blade *blade, struct em_vec r, struct em_vec v, struct em_vec g,
+                     double radius, double horizon) {
+  const double y = em_vec_dot(em_vec_sub(r, blade->centre), blade->axis);
+  const double vy = em_vec_dot(v, blade->axis), gy = em_vec_dot(g, blade->axis);
+  const double off = fabs(y) - (blade->radius + radius);
+  const double way = ((y < 0.0 ? -vy : vy) - 0.5 * fabs(gy) * horizon) * horizon;
+  return off > 1e-9 * radius && off + way > 1e-9 * radius;
 }
 
 double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
                         struct em_vec g, double radius, double angle, bool touched, double horizon,
                         unsigned *steps) {
+  if (is_aside(blade, r, v, g, radius, horizon)) return INFINITY;
   struct search s = prepare(blade, r, radius, angle);
   const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
   s.vu = em_vec_dot(v, blade->e1);
