@@ -294,12 +294,13 @@ static double skin_for(const struct em_world *w) {
   return fmin(1.0, 0.18 / cbrt(phi));
 }
 
-/* In a periodic box no pair may see two images of each other. */
+/* In a periodic box the image that is nearest at a prediction has to be the one that is met: until a
+ * ball leaves its shell it moves by two skins at the most, a pair by four. */
 static enum em_status fit_period(struct em_world *w, struct em_places *p, struct em_error *err) {
   const double period[3] = {w->period.x, w->period.y, w->period.z};
   for (int k = 0; k < 3; k++) {
     if (period[k] <= 0.0) continue;
-    const double most = 0.49 * (0.5 * period[k] - 2.0 * w->largest);
+    const double most = 0.245 * (0.5 * period[k] - 2.0 * w->largest);
     if (most < 0.01 * w->largest)
       return em_error_set(err, EM_INPUT, w->scene->file, 0,
                           "chamber.size: a periodic edge of %g m is too short for balls of %g m "
