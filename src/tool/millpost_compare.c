@@ -76,18 +76,34 @@ static void row(struct em_report *report, const struct em_figures *f, int runs, 
   }
 }
 
+/* The figures of the diagram, with names short enough to stand side by side. */
+static const struct {
+  enum em_figures_kind kind;
+  const char *name;
+} headlines[] = {{EM_FIGURES_MEDIAN_SPEED, "median speed"},
+                 {EM_FIGURES_RATE, "collisions / s"},
+                 {EM_FIGURES_MEDIAN_VN, "median v_n"},
+                 {EM_FIGURES_Q75_VN, "3rd quartile v_n"},
+                 {EM_FIGURES_SHARE_ABOVE, "share above"},
+                 {EM_FIGURES_RATE_ABOVE, "rate above"},
+                 {EM_FIGURES_POWER, "power"},
+                 {EM_FIGURES_DISSIPATED, "dissipated"}};
+
+enum { HEADLINES = sizeof headlines / sizeof *headlines };
+
 /* One group of points per run, at the place of each figure on the axis. */
-static enum em_status draw(const struct em_figures *f, char label[][96], int runs,
+static enum em_status draw(const struct em_figures *f, char label[][96], int runs, double threshold,
                            const char *path, struct em_error *err) {
   struct em_plot_series series[MOST_RUNS];
-  double x[MOST_RUNS][EM_FIGURES_COUNT], y[MOST_RUNS][EM_FIGURES_COUNT],
-      half[MOST_RUNS][EM_FIGURES_COUNT];
-  const char *name[EM_FIGURES_COUNT];
+  double x[MOST_RUNS][HEADLINES], y[MOST_RUNS][HEADLINES], half[MOST_RUNS][HEADLINES];
+  const char *name[HEADLINES];
+  char subtitle[160];
   size_t count = 0;
-  for (int k = 0; k < EM_FIGURES_COUNT; k++) {
+  for (int h = 0; h < HEADLINES; h++) {
+    const int k = headlines[h].kind;
     const double base = f[0].value[k].value;
     if (!is_known(f, runs, k) || !(fabs(base) > 0.0)) continue;
-    name[count] = em_figures_key((enum em_figures_kind)k);
+    name[count] = headlines[h].name;
     for (int r = 0; r < runs; r++) {
       x[r][count] = (double)count + 0.5 * (r - 0.5 * (runs - 1)) / runs;
       y[r][count] = 100.0 * f[r].value[k].value / base;
@@ -95,20 +111,21 @@ static enum em_status draw(const struct em_figures *f, char label[][96], int run
     }
     count++;
   }
+  snprintf(subtitle, sizeof subtitle,
+           "relative to the first run, with confidence intervals; threshold %g m/s", threshold);
   for (int r = 0; r < runs; r++)
     series[r] = (struct em_plot_series){.name = label[r], .style = EM_PLOT_POINTS, .count = count,
                                         .x = x[r], .y = y[r], .error = half[r]};
   const struct em_plot_mark mark = {100.0, true, NULL};
   const struct em_plot plot = {.title = "Key figures",
-                               .subtitle = "relative to the first run, with confidence intervals",
+                               .subtitle = subtitle,
                                .y_label = "figure / that of the first run  [%]",
                                .series_count = (size_t)runs,
                                .series = series,
                                .mark_count = 1,
                                .mark = &mark,
                                .category = name,
-                               .category_count = count,
-                               .width = 1500};
+                               .category_count = count};
   return em_plot_draw(&plot, path, err);
 }
 
@@ -141,7 +158,7 @@ int em_millpost_compare(int argc, char **argv) {
     for (int k = 0; k < EM_FIGURES_COUNT; k++)
       if (is_known(figures, o.run_count, k))
         row(report, figures, o.run_count, k, (1.0 - o.level) / (tests > 0 ? tests : 1));
-    if (o.out) status = draw(figures, label, o.run_count, o.out, &err);
+    if (o.out) status = draw(figures, label, o.run_count, threshold, o.out, &err);
   }
   if (status == EM_OK) return em_millpost_print(report, &o, EM_MILLPOST_DONE);
   em_report_free(report);
