@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#undef em_error_set
+#undef em_error_add
+
 static const char *const status_text[EM_STATUS_COUNT] = {
 #define TEXT(code, text) [EM_##code] = text,
     EM_STATUS_LIST(TEXT)
