@@ -21,6 +21,9 @@ static const struct command commands[] = {
     {"power", "torque, energy balance, dissipation per class", em_millpost_power},
     {"steady", "from when on a run is stationary", em_millpost_steady},
     {"compare", "runs side by side, and what differs significantly", em_millpost_compare},
+    {"scale", "which speed gives the same impacts", em_millpost_scale},
+    {"frame", "a picture of one moment", em_millpost_frame},
+    {"film", "a film", em_millpost_film},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
