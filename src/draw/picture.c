@@ -321,11 +321,11 @@ static void shrink(const uint8_t *from, uint8_t *to, int width, int height, int 
     }
 }
 
-/* Even and odd bytes of a word times a weight of 0 … 256, two at a time. */
-static uint32_t weaken(uint32_t v, uint32_t weight) {
-  const uint32_t even = ((v & 0x00ff00ffU) * weight >> 8) & 0x00ff00ffU;
-  const uint32_t odd = ((v >> 8 & 0x00ff00ffU) * weight) & 0xff00ff00U;
-  return even | odd;
+/* a + b × weight / 256 for two bytes, each in its half of a word; at most 255. */
+static uint32_t blend_two(uint32_t a, uint32_t b, uint32_t weight) {
+  const uint32_t sum = (a & 0x00ff00ffU) + (((b & 0x00ff00ffU) * weight >> 8) & 0x00ff00ffU);
+  const uint32_t over = sum & 0x01000100U;
+  return (sum | (over - (over >> 8))) & 0x00ff00ffU;
 }
 
 /* The drawing (premultiplied) over the ground; all B, G, R, A. */
@@ -334,8 +334,8 @@ static void compose(const uint8_t *over, const uint8_t *ground, uint8_t *sheet, 
     uint32_t o, g;
     memcpy(&o, over + k, sizeof o);
     memcpy(&g, ground + k, sizeof g);
-    const uint32_t alpha = o >> 24;
-    g = o + weaken(g, 256U - alpha - (alpha >> 7));
+    const uint32_t alpha = o >> 24, weight = 256U - alpha - (alpha >> 7);
+    g = blend_two(o, g, weight) | blend_two(o >> 8, g >> 8, weight) << 8;
     memcpy(sheet + k, &g, sizeof g);
   }
 }

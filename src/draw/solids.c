@@ -54,8 +54,8 @@ static const char fragment[] =
     "    float edge = 1.0 - dot(m, v);\n"
     "    float alpha = 0.035 + 0.42 * edge * edge * edge;\n"
     "    float s = max(dot(m, normalize(KEY + v)), 0.0);\n"
-    "    s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;\n"
-    "    colour = vec4(base * alpha, alpha) + vec4(0.22 * s);\n"
+    "    s *= s; s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;\n"
+    "    colour = vec4(base * alpha, alpha) + vec4(0.12 * s);\n"
     "  }\n"
     "}\n";
 

@@ -59,7 +59,7 @@ static const char fragment[] =
     "  vec3 n = normalize(hit);\n"
     "  float open = 1.0 / (1.0 + 1.7 * max(shade.w + dot(shade.xyz, n), 0.0));\n"
     "  vec3 c = lit(base, n, -u, open, 0.16);\n"
-    "  colour = vec4(sqrt(c), 1.0) * cover;\n"
+    "  colour = vec4(min(sqrt(c), 1.0), 1.0) * cover;\n"
     "  float z = centre.z + hit.z;\n"
     "  float w = parallel != 0 ? 1.0 : -z;\n"
     "  gl_FragDepth = 0.5 + 0.5 * (projection[2][2] * z + projection[3][2]) / w;\n"
