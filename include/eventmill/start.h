@@ -22,6 +22,10 @@ struct em_balls {
 enum em_status em_start_make(struct em_balls **balls, const struct em_scene *scene,
                              const struct em_balls *previous, struct em_error *err);
 
+/* Mass (kg) of one ball of a species: the one place where it is worked out, so that a restart has
+ * the same bits. */
+double em_start_mass(const struct em_species *species);
+
 /* Room for count balls, all zero; NULL when memory is short. */
 struct em_balls *em_start_new(size_t count);
 void em_start_free(struct em_balls *balls);

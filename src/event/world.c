@@ -487,7 +487,7 @@ static enum em_status balls_of(const struct em_scene *scene, const struct em_sna
       b->velocity[i] = s->velocity[i];
       if (s->spin) b->spin[i] = s->spin[i];
       b->radius[i] = r;
-      b->mass[i] = species->density * (M_PI / 6.0) * pow(species->diameter, 3.0);
+      b->mass[i] = em_start_mass(species);
     }
   }
   *balls = b;

@@ -39,6 +39,11 @@ void em_start_free(struct em_balls *balls) {
   free(balls);
 }
 
+double em_start_mass(const struct em_species *species) {
+  const double d = species->diameter;
+  return species->density * M_PI / 6.0 * d * d * d;
+}
+
 /* What is being made. */
 struct maker {
   const struct em_scene *scene;
@@ -60,7 +65,7 @@ static void fill_kinds(struct maker *m) {
   for (size_t s = 0; s < m->scene->species_count; ++s) {
     const struct em_species *species = &m->scene->species[s];
     m->group[s] = (struct em_start_group){species, s, k};
-    double d = species->diameter, mass = species->density * M_PI / 6.0 * d * d * d;
+    const double d = species->diameter, mass = em_start_mass(species);
     for (size_t end = k + species->count; k < end; ++k) {
       m->balls->radius[k] = 0.5 * d;
       m->balls->mass[k] = mass;
