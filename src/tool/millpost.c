@@ -22,6 +22,7 @@ static const struct command commands[] = {
     {"steady", "from when on a run is stationary", em_millpost_steady},
     {"compare", "runs side by side, and what differs significantly", em_millpost_compare},
     {"scale", "which speed gives the same impacts", em_millpost_scale},
+    {"fit", "laws of restitution fitted to measured pairs", em_millpost_fit},
     {"frame", "a picture of one moment", em_millpost_frame},
     {"film", "a film", em_millpost_film},
 };
