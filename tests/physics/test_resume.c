@@ -1,0 +1,122 @@
+/* A run that was stopped, copied and continued goes on as if nothing had happened, to the last bit,
+ * at whatever moment it was stopped and with every effect. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "event/body.h"
+#include "support/trial.h"
+
+#define MILL "geometries/simoloyer-2l.cfg"
+
+/* Replaces the world by one made from its snapshot. */
+static void restart(struct trial *t) {
+  struct em_snapshot *s;
+  assert_int_equal(em_world_snapshot(t->world, &s, &t->err), EM_OK);
+  em_world_free(t->world);
+  t->world = NULL;
+  if (em_world_resume(&t->world, t->scene, s, &t->err)) fail_msg("%s", t->err.text);
+  em_world_snapshot_free(s);
+}
+
+struct after {
+  uint64_t trail, state;
+};
+
+/* The last part of a run, from the time `from` on; restarts before it at each of `stops`. */
+static struct after play(const char *scene, const char *overrides, const double *stop, int stops,
+                         double from, double until) {
+  struct trial t;
+  struct trail trail;
+  trial_open(&t, scene, "%s", overrides);
+  for (int k = 0; k < stops; k++) {
+    trial_run(&t, stop[k]);
+    restart(&t);
+  }
+  trial_run(&t, from);
+  trail_watch(&trail, t.world);
+  trial_run(&t, until);
+  assert_true(trail.count > 50);
+  const struct after a = {trail.hash, trail_of_state(t.world)};
+  trial_free(&t);
+  return a;
+}
+
+/* Stops around the changes of epoch, where all times jump, and at random moments. */
+static void compare(const char *scene, const char *overrides) {
+  struct trial t;
+  trial_open(&t, scene, "%s", overrides);
+  const double epoch = t.world->epoch_length;
+  trial_free(&t);
+  const double until = 1.8 * epoch, from = 1.1 * epoch;
+  const struct after whole = play(scene, overrides, NULL, 0, from, until);
+  double stop[16];
+  int stops = 0;
+  uint64_t seed = 7;
+  stop[stops++] = 0.0;
+  double at = 0.0;
+  while (stops < 6) stop[stops++] = at = dice_in(&seed, at, epoch);
+  stop[stops++] = nextafter(epoch, 0.0);
+  stop[stops++] = epoch;
+  stop[stops++] = nextafter(epoch, INFINITY);
+  stop[stops++] = from;
+  const struct after parts = play(scene, overrides, stop, stops, from, until);
+  if (parts.trail != whole.trail || parts.state != whole.state)
+    fail_msg("%s %s: the continued run differs", scene, overrides);
+  const struct after straight = play(scene, overrides, NULL, 0, 0.0, until);
+  if (straight.state != whole.state) fail_msg("%s %s: a stop changes the run", scene, overrides);
+}
+
+static void test_mill(void **state) {
+  (void)state;
+  compare(MILL, "balls.count=700 rotor.rpm=1700");
+  compare(MILL, "balls.count=700 rotor.rpm=800 rotor.tip=hemisphere contact.rule=friction");
+  compare(MILL, "balls.count=700 rotor.tip=none contact.rule=reichardt2005");
+}
+
+static void test_structures(void **state) {
+  (void)state;
+  compare(MILL, "balls.count=500 engine.lists=tree engine.partition=cells");
+  compare(MILL, "balls.count=500 engine.partition=slices");
+  compare(MILL, "balls.count=300 engine.partition=none engine.simd=false");
+}
+
+/* Remedies remember how many contacts there were in a row. */
+static void test_remedies(void **state) {
+  (void)state;
+  compare("geometries/ideal-gas-gravity.cfg",
+          "balls.count=300 contact.normal=0.8 contact.rule=rough remedy.tc=1e-5");
+  compare("geometries/ideal-gas-gravity.cfg",
+          "balls.count=300 contact.normal=0.8 remedy.elastic_below=0.01");
+  compare("geometries/ideal-gas-gravity.cfg",
+          "balls.count=300 contact.normal=0.95 contact.rule=rough chamber.rpm=100");
+}
+
+static void test_ramps(void **state) {
+  (void)state;
+  compare(MILL, "balls.count=500 chamber.ramps.half_deg=10 chamber.ramps.tilt_deg=30");
+}
+
+static const char periodic[] =
+    "gravity=\"none\";chamber={shape=\"box\";size=[0.05,0.06,0.07];periodic=[true,false,true];};"
+    "contact={rule=\"rough\";normal=1.0;tangential=-1.0;};"
+    "balls=({name=\"a\";count=500;diameter=0.005;},{name=\"b\";count=20;diameter=0.01;});";
+
+static void test_boxes(void **state) {
+  (void)state;
+  compare(periodic, "");
+  compare(periodic, "gravity=[1.0,-9.81,0.0] contact.rule=smooth");
+  compare("geometries/two-rotors.cfg", "balls.count=1000");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_mill),  cmocka_unit_test(test_structures),
+      cmocka_unit_test(test_remedies), cmocka_unit_test(test_ramps),
+      cmocka_unit_test(test_boxes),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
