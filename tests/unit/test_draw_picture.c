@@ -1,0 +1,253 @@
+/* Pictures of a mill, and the paths between the frames of a run. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "draw_mill.h"
+#include "eventmill/motion.h"
+#include "eventmill/recorder.h"
+
+enum { WIDTH = 320, HEIGHT = 180, BYTES = 4 * WIDTH * HEIGHT };
+
+static struct em_picture_options options_for(const struct em_scene *scene,
+                                             const struct em_balls *balls) {
+  struct em_picture_options o = em_picture_default(scene, balls);
+  o.width = WIDTH;
+  o.height = HEIGHT;
+  return o;
+}
+
+static void draw(const struct em_scene *scene, const struct em_picture_options *o,
+                 const struct em_balls *balls, uint8_t *rgba) {
+  static const double angle[] = {0.3, 1.2};
+  struct em_picture *picture;
+  struct em_error err = {0};
+  const struct em_picture_state state = {.balls = balls, .time = 0.5, .blade_angle = angle};
+  if (em_picture_new(&picture, scene, o, &err) != EM_OK) fail_msg("%s", err.text);
+  assert_int_equal(em_picture_draw(picture, &state, rgba, &err), EM_OK);
+  em_picture_free(picture);
+}
+
+/* How many pixels differ clearly. */
+static int difference(const uint8_t *a, const uint8_t *b) {
+  int count = 0;
+  for (int k = 0; k < BYTES; k += 4)
+    count += abs(a[k] - b[k]) + abs(a[k + 1] - b[k + 1]) + abs(a[k + 2] - b[k + 2]) > 24;
+  return count;
+}
+
+static void every_option_shows(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  static uint8_t plain[BYTES], other[BYTES];
+  struct em_picture_options o = options_for(scene, balls);
+  draw(scene, &o, balls, plain);
+  draw(scene, &o, balls, other);
+  assert_memory_equal(plain, other, BYTES); /* the same state, the same picture */
+  for (int kind = 0; kind < 14; kind++) {
+    o = options_for(scene, balls);
+    switch (kind) {
+    case 0: o.hide_balls = true; break;
+    case 1: o.hide_rotor = true; break;
+    case 2: o.hide_drum = true; break;
+    case 3: o.hide_legend = true; break;
+    case 4: o.histogram = false; break;
+    case 5: o.dark = true; break;
+    case 6: o.camera = em_camera_make(EM_CAMERA_AXIAL); break;
+    case 7: o.camera = em_camera_make(EM_CAMERA_SIDE); break;
+    case 8: o.by = EM_PICTURE_SPECIES; break;
+    case 9: o.map = EM_COLOUR_EMBER; break;
+    case 10: o.limit = 20; break;
+    case 11: o.show_low = 2.5; break; /* faster than any */
+    case 12: o.camera.fov = 0.0; break;
+    default: o.high *= 0.3;
+    }
+    draw(scene, &o, balls, other);
+    assert_true(difference(plain, other) > (kind == 4 ? 20 : 100));
+  }
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+static void a_smoother_picture_is_the_same_picture(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  static uint8_t once[BYTES], thrice[BYTES];
+  struct em_picture_options o = options_for(scene, balls);
+  o.smooth = 1;
+  draw(scene, &o, balls, once);
+  o.smooth = 3;
+  draw(scene, &o, balls, thrice);
+  double sum = 0.0;
+  for (int k = 0; k < BYTES; k++) sum += abs(once[k] - thrice[k]);
+  assert_true(sum / BYTES < 4.0);
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+/* What rests is grey in a triple, what moves is coloured. */
+static void a_triple_shows_motion(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene), *moved = draw_start(scene);
+  static uint8_t rgba[BYTES];
+  static const double angle[] = {0.3, 1.2};
+  struct em_error err = {0};
+  struct em_picture *picture;
+  struct em_picture_options o = options_for(scene, balls);
+  o.by = EM_PICTURE_PLAIN;
+  assert_int_equal(em_picture_new(&picture, scene, &o, &err), EM_OK);
+  for (int moves = 0; moves < 2; moves++) {
+    struct em_picture_state three[3];
+    for (int k = 0; k < 3; k++)
+      three[k] = (struct em_picture_state){.balls = k == 1 ? moved : balls, .blade_angle = angle};
+    if (moves) moved->position[0].z = -moved->position[0].z;
+    assert_int_equal(em_picture_triple(picture, three, rgba, &err), EM_OK);
+    int coloured = 0;
+    for (int k = 0; k < BYTES; k += 4)
+      coloured += abs(rgba[k] - rgba[k + 1]) > 8 || abs(rgba[k + 1] - rgba[k + 2]) > 8;
+    assert_true(moves ? coloured > 10 : coloured == 0);
+  }
+  em_picture_free(picture);
+  em_start_free(balls);
+  em_start_free(moved);
+  em_scene_free(scene);
+}
+
+static void bad_pictures_are_refused(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  static uint8_t rgba[BYTES];
+  struct em_error err = {0};
+  struct em_picture *picture;
+  for (int kind = 0; kind < 5; kind++) {
+    struct em_picture_options o = options_for(scene, balls);
+    if (kind == 0) o.width = 0;
+    if (kind == 1) o.height = 100000;
+    if (kind == 2) o.smooth = 5;
+    if (kind == 3) o.high = NAN;
+    if (kind == 4) o.low = o.high;
+    assert_int_equal(em_picture_new(&picture, scene, &o, &err), EM_INPUT);
+    assert_null(picture);
+  }
+  const struct em_picture_options o = options_for(scene, balls);
+  const double angle[2] = {0, 0};
+  const struct em_picture_state s = {.balls = balls, .blade_angle = angle};
+  assert_int_equal(em_picture_new(&picture, scene, &o, &err), EM_OK);
+  balls->position[3].x = INFINITY;
+  assert_int_equal(em_picture_draw(picture, &s, rgba, &err), EM_INPUT);
+  em_picture_free(picture);
+  assert_int_equal(em_picture_save("/nowhere/x.png", rgba, WIDTH, HEIGHT, &err), EM_FILE);
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+static void record(const char *path, size_t count, const char *const *overrides) {
+  struct em_scene *scene = draw_scene(DRAW_MILL, count, overrides);
+  const struct em_recorder_options o = {.path = path, .force = true, .command = "test"};
+  struct em_error err = {0};
+  if (em_recorder_run(scene, &o, NULL, NULL, &err) != EM_OK) fail_msg("%s", err.text);
+  em_scene_free(scene);
+}
+
+/* Paths from few frames and the collision table, against the many frames of the same run. */
+static void paths_between_frames_are_exact(void **state) {
+  static const char *const few[] = {"record.frames=100"}, *const many[] = {"record.frames=2100"};
+  (void)state;
+  const char *sparse = draw_path("sparse.h5"), *dense = draw_path("dense.h5");
+  record(sparse, 1, few);
+  record(dense, 1, many);
+  struct em_run_file *a, *b;
+  struct em_error err = {0};
+  struct em_motion *motion;
+  struct em_balls *frame;
+  assert_int_equal(em_run_file_open(&a, sparse, &err), EM_OK);
+  assert_int_equal(em_run_file_open(&b, dense, &err), EM_OK);
+  assert_int_equal(em_motion_new(&motion, a, 0.002, &err), EM_OK);
+  assert_true(em_motion_is_exact(motion));
+  assert_int_equal(em_run_file_balls(b, &frame, &err), EM_OK);
+  double worst = 0.0, moved = 0.0;
+  for (size_t k = 0; k < em_run_file_frame_count(b); k++) {
+    assert_int_equal(em_run_file_frame(b, k, frame, &err), EM_OK);
+    assert_int_equal(em_motion_seek(motion, em_run_file_frame_time(b, k), &err), EM_OK);
+    const struct em_balls *balls = em_motion_balls(motion);
+    for (size_t n = 0; n < frame->count; n++) {
+      worst = fmax(worst, em_vec_norm(em_vec_sub(balls->position[n], frame->position[n])));
+      moved = fmax(moved, em_vec_norm(frame->position[n]));
+    }
+  }
+  assert_true(moved > 0.01);
+  assert_true(worst < 5e-8); /* places are stored as 32-bit floats */
+  struct em_picture_bead bead[64];
+  const size_t marks = em_motion_marks(motion, bead, 64, 0.001);
+  assert_true(marks > 0 && marks <= 64);
+  assert_true(hypot(bead[0].place.x, bead[0].place.z) <= 0.03 + 1e-6);
+  const uint8_t *cls = em_motion_classes(motion);
+  size_t known = 0;
+  for (size_t n = 0; n < frame->count; n++) known += cls[n] < EM_CLASS_COUNT;
+  assert_true(known > frame->count / 2);
+  em_motion_free(motion);
+  em_start_free(frame);
+  em_run_file_close(a);
+  em_run_file_close(b);
+}
+
+/* Without a table: through the frames, inside the drum, and steady. */
+static void paths_without_a_table_stay_inside(void **state) {
+  static const char *const plain[] = {"record.collisions=false", "record.frames=100"};
+  (void)state;
+  const char *path = draw_path("plain.h5");
+  record(path, 2, plain);
+  struct em_run_file *run;
+  struct em_error err = {0};
+  struct em_motion *motion;
+  struct em_balls *frame;
+  assert_int_equal(em_run_file_open(&run, path, &err), EM_OK);
+  assert_int_equal(em_motion_new(&motion, run, 0.0, &err), EM_OK);
+  assert_false(em_motion_is_exact(motion));
+  assert_null(em_motion_classes(motion));
+  assert_int_equal(em_run_file_balls(run, &frame, &err), EM_OK);
+  for (size_t k = 0; k < em_run_file_frame_count(run); k++) {
+    const double t = em_run_file_frame_time(run, k);
+    assert_int_equal(em_run_file_frame(run, k, frame, &err), EM_OK);
+    for (int side = -1; side <= 1; side++) {
+      assert_int_equal(em_motion_seek(motion, t + 1e-7 * side, &err), EM_OK);
+      const struct em_balls *balls = em_motion_balls(motion);
+      for (size_t n = 0; n < frame->count; n++)
+        assert_true(em_vec_norm(em_vec_sub(balls->position[n], frame->position[n])) < 5e-6);
+    }
+    assert_int_equal(em_motion_seek(motion, t + 0.0037, &err), EM_OK);
+    const struct em_balls *balls = em_motion_balls(motion);
+    for (size_t n = 0; n < frame->count; n++) {
+      assert_true(hypot(balls->position[n].x, balls->position[n].z) <= 0.028 + 1e-9);
+      assert_true(balls->position[n].y >= 0.002 - 1e-9 && balls->position[n].y <= 0.048 + 1e-9);
+    }
+  }
+  em_motion_free(motion);
+  em_start_free(frame);
+  em_run_file_close(run);
+}
+
+static int clean(void **state) {
+  (void)state;
+  draw_clean();
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_option_shows),
+      cmocka_unit_test(a_smoother_picture_is_the_same_picture),
+      cmocka_unit_test(a_triple_shows_motion),
+      cmocka_unit_test(bad_pictures_are_refused),
+      cmocka_unit_test(paths_between_frames_are_exact),
+      cmocka_unit_test(paths_without_a_table_stay_inside),
+  };
+  return cmocka_run_group_tests(tests, NULL, clean);
+}

@@ -1,0 +1,170 @@
+/* Diagrams: they are drawn, whatever their texts say, and bad ones are refused. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "draw_mill.h"
+#include "eventmill/plot.h"
+
+static const double edge[] = {0, 1, 2, 3, 4}, height[] = {1, 4, 2, 0.5}, error[] = {1, 1, 1, 1};
+static const double gap[] = {1, NAN, 2, 3};
+
+/* Width and height of a PNG file; 0 × 0 when it is none. */
+static void png_size(const char *path, unsigned *width, unsigned *height_of) {
+  unsigned char head[24] = {0};
+  FILE *file = fopen(path, "rb");
+  *width = *height_of = 0;
+  if (file == NULL) return;
+  const size_t got = fread(head, 1, sizeof head, file);
+  fclose(file);
+  if (got != sizeof head || memcmp(head, "\x89PNG\r\n\x1a\n", 8) != 0) return;
+  *width = (unsigned)head[16] << 24 | (unsigned)head[17] << 16 | (unsigned)head[18] << 8 | head[19];
+  *height_of =
+      (unsigned)head[20] << 24 | (unsigned)head[21] << 16 | (unsigned)head[22] << 8 | head[23];
+}
+
+static void all_styles_are_drawn(void **state) {
+  const struct em_plot_series all[] = {
+      {.name = "line", .style = EM_PLOT_LINE, .count = 4, .x = edge, .y = gap},
+      {.name = "dashed", .style = EM_PLOT_DASHED, .count = 4, .x = edge, .y = height},
+      {.name = "points", .style = EM_PLOT_POINTS, .count = 4, .x = edge, .y = height},
+      {.style = EM_PLOT_POINTS, .count = 4, .x = edge, .y = height, .error = error},
+      {.name = "band", .style = EM_PLOT_BAND, .count = 4, .x = edge, .y = gap, .error = error},
+      {.name = "steps", .style = EM_PLOT_STEPS, .count = 4, .x = edge, .y = gap},
+      {.style = EM_PLOT_BARS, .count = 4, .x = edge, .y = height, .second_axis = true},
+  };
+  const struct em_plot_mark mark[] = {{.at = 2.0, .name = "here"}, {.at = 1.0, .horizontal = true}};
+  struct em_plot plot = {.title = "all", .series = all, .mark = mark, .mark_count = 2};
+  struct em_error err = {0};
+  unsigned w, h;
+  (void)state;
+  for (size_t k = 1; k <= sizeof all / sizeof *all; k++)
+    for (int log = 0; log < 2; log++) {
+      const char *path = draw_path("all.png");
+      plot.series_count = k;
+      plot.log_y = log;
+      assert_int_equal(em_plot_draw(&plot, path, &err), EM_OK);
+      png_size(path, &w, &h);
+      assert_int_equal(w, 1200);
+      assert_int_equal(h, 750);
+      unlink(path);
+    }
+}
+
+/* A text that would break out of its string would make gnuplot write this file. */
+static void texts_are_taken_literally(void **state) {
+  char evil[512];
+  const struct em_plot_series s = {.name = "it's \"a\" {/*9 trap} \\n", .style = EM_PLOT_LINE,
+                                   .count = 4, .x = edge, .y = height};
+  struct em_error err = {0};
+  unsigned w, h;
+  (void)state;
+  const char *trap = draw_path("trap");
+  snprintf(evil, sizeof evil, "x'; system('touch %s'); set title 'y\nsystem('touch %s')\n`touch %s`",
+           trap, trap, trap);
+  const struct em_plot plot = {.title = evil, .subtitle = evil, .x_label = evil, .y_label = evil,
+                               .series_count = 1, .series = &s, .width = 400, .height = 300};
+  const char *path = draw_path("it's a file.png");
+  assert_int_equal(em_plot_draw(&plot, path, &err), EM_OK);
+  png_size(path, &w, &h);
+  assert_int_equal(w, 400);
+  assert_int_equal(h, 300);
+  assert_int_not_equal(access(trap, F_OK), 0);
+}
+
+static void scripts_can_be_run(void **state) {
+  const struct em_plot_series s = {.style = EM_PLOT_STEPS, .count = 4, .x = edge, .y = height};
+  const struct em_plot plot = {.series_count = 1, .series = &s, .width = 500, .height = 200};
+  struct em_error err = {0};
+  char command[512];
+  unsigned w, h;
+  (void)state;
+  const char *path = draw_path("script.gp");
+  assert_int_equal(em_plot_draw(&plot, path, &err), EM_OK);
+  snprintf(command, sizeof command, "cd '%.*s' && gnuplot script.gp",
+           (int)(strlen(path) - strlen("/script.gp")), path);
+  assert_int_equal(system(command), 0);
+  png_size(draw_path("script.png"), &w, &h);
+  assert_int_equal(w, 500);
+  assert_int_equal(h, 200);
+  assert_int_equal(em_plot_draw(&plot, draw_path("s.svg"), &err), EM_OK);
+  assert_int_equal(em_plot_draw(&plot, draw_path("s.pdf"), &err), EM_OK);
+}
+
+static void maps_are_drawn(void **state) {
+  struct em_plot_cell cell[12];
+  struct em_error err = {0};
+  unsigned w, h;
+  (void)state;
+  for (int k = 0; k < 12; k++)
+    cell[k] = (struct em_plot_cell){{0.01 * (k / 6), M_PI / 3 * (k % 6)},
+                                    {0.01 * (k / 6 + 1), M_PI / 3 * (k % 6 + 1)},
+                                    k == 3 ? NAN : k - 2.0};
+  for (int kind = 0; kind < 8; kind++) {
+    const struct em_plot_map map = {.title = "map", .value_label = "v  [m/s]", .cell_count = 12,
+                                    .cell = cell, .polar = kind & 1, .log_value = kind & 2,
+                                    .diverging = kind & 4 && !(kind & 2)};
+    const char *path = draw_path("map.png");
+    assert_int_equal(em_plot_map(&map, path, &err), EM_OK);
+    png_size(path, &w, &h);
+    assert_int_equal(w, 1000);
+    assert_int_equal(h, 900);
+    unlink(path);
+  }
+}
+
+static void bad_diagrams_are_refused(void **state) {
+  const double none[] = {NAN, NAN, NAN, NAN};
+  const struct em_plot_series s = {.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = height};
+  const struct em_plot_series empty = {.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = none};
+  const struct em_plot good = {.series_count = 1, .series = &s};
+  const struct em_plot bad = {.series_count = 1, .series = &empty};
+  const struct em_plot_map blank = {.cell_count = 0};
+  struct em_error err = {0};
+  char *old = strdup(getenv("PATH"));
+  (void)state;
+  assert_int_equal(em_plot_draw(&bad, draw_path("x.png"), &err), EM_INPUT);
+  assert_int_equal(em_plot_map(&blank, draw_path("x.png"), &err), EM_INPUT);
+  assert_int_equal(em_plot_draw(&good, draw_path("x.jpg"), &err), EM_INPUT);
+  assert_int_equal(em_plot_draw(&good, draw_path("x"), &err), EM_INPUT);
+  assert_int_equal(em_plot_draw(&good, "/nowhere/x.png", &err), EM_FILE);
+  setenv("PATH", "/nowhere", 1);
+  assert_int_equal(em_plot_draw(&good, draw_path("x.png"), &err), EM_PICTURE);
+  setenv("PATH", old, 1);
+  assert_int_not_equal(access(draw_path("x.png"), F_OK), 0);
+  assert_int_not_equal(access(draw_path("x.png.part"), F_OK), 0);
+  free(old);
+}
+
+static void the_subtitle_tells_the_operating_point(void **state) {
+  char text[256], cut[8];
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  em_plot_subtitle(scene, text, sizeof text);
+  assert_string_equal(text, "small mill · 2000 rpm · 150 balls of 4 mm");
+  em_plot_subtitle(scene, cut, sizeof cut);
+  assert_string_equal(cut, "small m");
+  em_scene_free(scene);
+}
+
+static int clean(void **state) {
+  (void)state;
+  draw_clean();
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(all_styles_are_drawn),
+      cmocka_unit_test(texts_are_taken_literally),
+      cmocka_unit_test(scripts_can_be_run),
+      cmocka_unit_test(maps_are_drawn),
+      cmocka_unit_test(bad_diagrams_are_refused),
+      cmocka_unit_test(the_subtitle_tells_the_operating_point),
+  };
+  return cmocka_run_group_tests(tests, NULL, clean);
+}
