@@ -25,6 +25,7 @@ static const struct command commands[] = {
     {"fit", "laws of restitution fitted to measured pairs", em_millpost_fit},
     {"frame", "a picture of one moment", em_millpost_frame},
     {"film", "a film", em_millpost_film},
+    {"export", "files for ParaView, OVITO, POV-Ray and others", em_millpost_export},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };

@@ -1,0 +1,148 @@
+/* POV-Ray scenes: balls coloured by speed, a glass drum, steel blades. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "eventmill/colour.h"
+#include "eventmill/sample.h"
+#include "tool/export.h"
+
+static const char *const finish =
+    "#declare Ball = finish { ambient 0.12 diffuse 0.7 specular 0.5 roughness 0.02 }\n"
+    "#declare Steel = texture { pigment { rgb <0.55, 0.57, 0.6> }\n"
+    "  finish { ambient 0.1 diffuse 0.6 specular 0.8 roughness 0.01 reflection 0.12 } }\n"
+    "#declare Glass = texture { pigment { rgbt <0.92, 0.96, 1, 0.93> }\n"
+    "  finish { ambient 0 diffuse 0.1 specular 0.6 roughness 0.002 } }\n";
+
+/* POV-Ray's axes are left-handed: ours, with z up, are its <x, z, y>. */
+static void put_vec(FILE *out, struct em_vec v) {
+  fprintf(out, "<%.7g, %.7g, %.7g>", v.x, v.z, v.y);
+}
+
+static void camera(FILE *out, const struct em_scene *scene) {
+  struct em_vec low, high;
+  em_scene_bounds(scene, &low, &high);
+  const struct em_vec middle = em_vec_scale(0.5, em_vec_add(low, high));
+  const double size = em_vec_norm(em_vec_sub(high, low));
+  const struct em_vec eye = em_vec_add(middle, em_vec_scale(size, em_vec_make(0.95, -1.35, 0.55)));
+  const struct em_vec lamp = em_vec_add(middle, em_vec_scale(size, em_vec_make(2.0, -2.0, 3.0)));
+  const struct em_vec fill = em_vec_add(middle, em_vec_scale(size, em_vec_make(-3.0, -1.5, 1.0)));
+  fprintf(out, "camera { perspective location ");
+  put_vec(out, eye);
+  fprintf(out, " right x*image_width/image_height up y angle 44 sky y look_at ");
+  put_vec(out, middle);
+  fprintf(out, " }\nlight_source { ");
+  put_vec(out, lamp);
+  fprintf(out, " rgb 1 }\nlight_source { ");
+  put_vec(out, fill);
+  fprintf(out, " rgb 0.45 shadowless }\nbackground { rgb 1 }\n");
+}
+
+static void cylinder(FILE *out, struct em_vec a, struct em_vec b, double radius, const char *rest) {
+  fprintf(out, "cylinder { ");
+  put_vec(out, a);
+  fprintf(out, ", ");
+  put_vec(out, b);
+  fprintf(out, ", %.7g %s }\n", radius, rest);
+}
+
+static void walls(FILE *out, const struct em_scene *scene) {
+  const struct em_chamber *c = &scene->chamber;
+  if (c->shape == EM_SHAPE_DRUM) {
+    const double wall = 0.015 * c->diameter, r = 0.5 * c->diameter;
+    fprintf(out, "difference {\n");
+    cylinder(out, em_vec_make(0, -wall, 0), em_vec_make(0, c->length + wall, 0), r + wall, "");
+    cylinder(out, em_vec_make(0, -2.0 * wall, 0), em_vec_make(0, c->length + 2.0 * wall, 0), r, "");
+    fprintf(out, "texture { Glass } no_shadow }\n");
+    return;
+  }
+  fprintf(out, "box { <0, 0, 0>, ");
+  put_vec(out, c->size);
+  fprintf(out, " texture { Glass } no_shadow }\n");
+}
+
+static void blade(FILE *out, const struct em_blade *b, double time) {
+  const double angle = b->angle + b->omega * time;
+  const struct em_vec bar = em_vec_add(em_vec_scale(cos(angle), b->e1),
+                                       em_vec_scale(sin(angle), em_vec_cross(b->axis, b->e1)));
+  const bool round = b->tip == EM_TIP_HEMISPHERE;
+  const double half = round ? b->reach - b->radius : b->reach;
+  const struct em_vec end[2] = {em_vec_axpy(b->centre, half, bar),
+                                em_vec_axpy(b->centre, -half, bar)};
+  cylinder(out, end[0], end[1], b->radius, "texture { Steel }");
+  for (int k = 0; round && k < 2; k++) {
+    fprintf(out, "sphere { ");
+    put_vec(out, end[k]);
+    fprintf(out, ", %.7g texture { Steel } }\n", b->radius);
+  }
+}
+
+/* sRGB to the linear light that POV-Ray 3.7 computes with. */
+static double linear(uint8_t value) {
+  const double s = value / 255.0;
+  return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+}
+
+static void ball(FILE *out, const struct em_balls *b, size_t i, const struct em_colour_map *map,
+                 double high) {
+  const uint8_t *rgb = em_colour_at(map, em_vec_norm(b->velocity[i]), 0.0, high);
+  fprintf(out, "sphere { ");
+  put_vec(out, b->position[i]);
+  fprintf(out, ", %.6g pigment { rgb <%.3f, %.3f, %.3f> } finish { Ball } }\n", b->radius[i],
+          linear(rgb[0]), linear(rgb[1]), linear(rgb[2]));
+}
+
+/* The scale ends at 110 % of the fastest blade's tip speed, else at the fastest 1 % of the balls of
+ * the first frame. */
+static double top_speed(const struct em_scene *scene, const struct em_balls *balls) {
+  double top = 0.0;
+  for (size_t r = 0; r < scene->rotor_count; r++)
+    for (size_t k = 0; k < scene->rotor[r].blade_count; k++) {
+      const struct em_blade *b = &scene->rotor[r].blade[k];
+      top = fmax(top, 1.1 * fabs(b->omega) * b->reach);
+    }
+  if (top > 0.0) return top;
+  double *speed = malloc((balls->count + 1) * sizeof *speed);
+  for (size_t i = 0; speed && i < balls->count; i++) speed[i] = em_vec_norm(balls->velocity[i]);
+  if (speed && balls->count > 0) {
+    em_sample_describe(speed, balls->count);
+    top = em_sample_quantile(speed, balls->count, 0.99);
+  }
+  free(speed);
+  return top > 0.0 ? top : 1.0;
+}
+
+static void write_scene(FILE *out, const struct em_scene *scene, const struct em_balls *balls,
+                        double time, double top) {
+  struct em_colour_map map;
+  em_colour_make(EM_COLOUR_LAGOON, &map);
+  fprintf(out, "// t = %.9g s; colours end at %.4g m/s. Render with: povray +W1280 +H720 +A FILE\n",
+          time, top);
+  fprintf(out, "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 12 }\n%s", finish);
+  camera(out, scene);
+  walls(out, scene);
+  for (size_t r = 0; r < scene->rotor_count; r++)
+    for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
+      blade(out, &scene->rotor[r].blade[k], time);
+  for (size_t i = 0; i < balls->count; i++) ball(out, balls, i, &map, top);
+}
+
+enum em_status em_export_pov_write(const struct em_export *job, struct em_error *err) {
+  const struct em_scene *scene = em_run_file_scene(job->run);
+  struct em_balls *balls = NULL;
+  double top = 0.0;
+  enum em_status status = em_run_file_balls(job->run, &balls, err);
+  for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
+    struct em_export_file file;
+    char path[EM_SCENE_PATH];
+    em_export_file_number(path, sizeof path, job->out, k, NULL);
+    status = em_run_file_frame(job->run, job->frame[k], balls, err);
+    if (status == EM_OK)
+      status = em_export_file_open(&file, job->frames > 1 ? path : job->out, err);
+    if (status != EM_OK) break;
+    if (k == 0) top = top_speed(scene, balls);
+    write_scene(file.out, scene, balls, em_run_file_frame_time(job->run, job->frame[k]), top);
+    status = em_export_file_close(&file, EM_OK, err);
+  }
+  em_start_free(balls);
+  return status;
+}

@@ -1,0 +1,138 @@
+/* millpost export: frames, walls and collisions for ParaView, OVITO, POV-Ray and others. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "eventmill/xdmf.h"
+#include "tool/export.h"
+#include "tool/millpost.h"
+
+static const char *const option_names[] = {"to-format", "of", "from", "until", "at", "every",
+                                           "output", ""};
+
+static const struct em_millpost_help help = {
+    .name = "export",
+    .arguments = "RUN --to FORMAT",
+    .summary = "Writes a run in the format of another program.",
+    .details =
+        "  xdmf    a small text file with which ParaView opens the run file itself (\"XDMF Reader\")\n"
+        "  xdmf3   the same for ParaView's \"Xdmf3 Reader\"\n"
+        "  vtk     VTK PolyData, one file per frame, and a .pvd with their times\n"
+        "  lammps  a text dump of all frames, for OVITO\n"
+        "  csv     a line per ball and frame; with --of collisions, a line per collision\n"
+        "  pov     a POV-Ray scene per frame\n"
+        "  stl     walls and blades at the first frame, in metres\n"
+        "--from, --until, --every and --at choose frames (xdmf takes all); the default is all.\n"
+        "Without -o, the output stands beside the run and has its name.",
+    .examples = "  millpost export simoloyer-2l.h5 --to xdmf\n"
+                "  millpost export simoloyer-2l.h5 --to lammps --every 5 -o mill.dump\n"
+                "  millpost export simoloyer-2l.h5 --to pov --at 0.5 -o mill.pov && povray +W1280 +H720 mill.pov",
+    .options = option_names,
+    .least = 1,
+    .most = 1,
+};
+
+static enum em_status write_xdmf(const struct em_export *job, struct em_error *err) {
+  return em_xdmf_write(job->run, job->out, EM_XDMF_HYPERSLAB, err);
+}
+
+static enum em_status write_xdmf3(const struct em_export *job, struct em_error *err) {
+  return em_xdmf_write(job->run, job->out, EM_XDMF_SELECTION, err);
+}
+
+static const struct format {
+  const char *name, *ending;
+  bool needs_frames;
+  enum em_status (*write)(const struct em_export *job, struct em_error *err);
+} formats[] = {
+    {"xdmf", ".xdmf", true, write_xdmf},
+    {"xdmf3", ".xdmf", true, write_xdmf3},
+    {"vtk", ".pvd", true, em_export_vtk_write},
+    {"lammps", ".dump", true, em_export_text_lammps},
+    {"csv", ".csv", true, em_export_text_frames},
+    {"pov", ".pov", true, em_export_pov_write},
+    {"stl", ".stl", false, em_export_stl_write},
+};
+
+static const struct format collisions = {"csv", ".csv", false, em_export_text_collisions};
+
+static const struct format *find_format(const struct em_millpost_options *o) {
+  for (size_t k = 0; o->to_format && k < sizeof formats / sizeof *formats; k++) {
+    if (strcmp(formats[k].name, o->to_format) != 0) continue;
+    return o->of && strcmp(o->to_format, "csv") == 0 ? &collisions : &formats[k];
+  }
+  return NULL;
+}
+
+/* Indices of the chosen frames; NULL when memory is short. */
+static size_t *choose(const struct em_run_file *run, const struct em_millpost_options *o,
+                      size_t *count) {
+  const size_t frames = em_run_file_frame_count(run), every = o->every ? (size_t)o->every : 1;
+  size_t *chosen = malloc((frames + 1) * sizeof *chosen), seen = 0;
+  *count = 0;
+  if (!chosen) return NULL;
+  if (!isnan(o->at) && frames > 0) {
+    chosen[(*count)++] = em_run_file_frame_before(run, o->at);
+    return chosen;
+  }
+  for (size_t k = 0; k < frames; k++) {
+    const double t = em_run_file_frame_time(run, k);
+    if ((!isnan(o->from) && t < o->from) || (!isnan(o->to) && t > o->to)) continue;
+    if (seen++ % every == 0) chosen[(*count)++] = k;
+  }
+  return chosen;
+}
+
+static void default_path(char *path, size_t size, const char *run, const char *ending) {
+  const size_t length = strlen(run);
+  const bool h5 = length > 3 && strcmp(run + length - 3, ".h5") == 0;
+  snprintf(path, size, "%.*s%s", (int)(h5 ? length - 3 : length), run, ending);
+}
+
+static int run_with(const struct em_run_file *run, const struct format *format,
+                    const struct em_millpost_options *o) {
+  struct em_error err = {.code = EM_OK};
+  char path[EM_SCENE_PATH];
+  struct em_export job = {.run = run, .out = o->out ? o->out : path};
+  default_path(path, sizeof path, o->run[0], format->ending);
+  job.from = isnan(o->from) ? 0.0 : o->from;
+  job.to = isnan(o->to) ? INFINITY : o->to;
+  size_t *frame = choose(run, o, &job.frames);
+  job.frame = frame;
+  enum em_status status = EM_OK;
+  if (!frame)
+    status = em_error_set(&err, EM_MEMORY, NULL, 0, "out of memory");
+  else if (format->needs_frames && job.frames == 0)
+    status = em_error_set(&err, EM_INPUT, o->run[0], 0, "no frame is chosen; the run has %zu",
+                          em_run_file_frame_count(run));
+  else
+    status = format->write(&job, &err);
+  free(frame);
+  if (status != EM_OK) return em_millpost_fail(&err);
+  struct em_report *report = em_report_new("export");
+  em_report_fact_text(report, "format", "format", "%s", format->name);
+  em_report_fact_text(report, "file", "written", "%s", job.out);
+  const bool all = strncmp(format->name, "xdmf", 4) == 0;
+  if (format->needs_frames)
+    em_report_fact_count(report, "frames", "frames",
+                         all ? em_run_file_frame_count(run) : job.frames);
+  return em_millpost_print(report, o, EM_MILLPOST_DONE);
+}
+
+int em_millpost_export(int argc, char **argv) {
+  struct em_millpost_options options;
+  int code = em_millpost_options(&options, &help, argc, argv);
+  if (code >= 0) return code;
+  const struct format *format = find_format(&options);
+  if (!format)
+    return em_millpost_usage("export", "--to must be xdmf, xdmf3, vtk, lammps, csv, pov or stl");
+  if (options.of && (format != &collisions || strcmp(options.of, "collisions") != 0))
+    return em_millpost_usage("export", "--of takes only 'collisions', with --to csv");
+  struct em_error err = {.code = EM_OK};
+  struct em_run_file *run;
+  if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
+  code = run_with(run, format, &options);
+  em_run_file_close(run);
+  return code;
+}
