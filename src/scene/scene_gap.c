@@ -58,19 +58,20 @@ static struct em_vec turned(struct em_vec n, struct em_vec t, double angle) {
  * concave; the steps shrink until they are below what matters. */
 static double climb(const struct em_scene_body *a, const struct em_scene_body *b, struct em_vec n,
                     double step) {
-  enum { WAYS = 8 };
+  enum { WAYS = 8, STEPS = 400 };
+  const double gain = 1e-12; /* m */
   double best = parted(a, b, n);
-  while (step > 1e-8) {
+  for (int k = 0; k < STEPS && step > 1e-7; ++k) {
     struct em_vec up = fabs(n.z) < 0.9 ? em_vec_make(0, 0, 1) : em_vec_make(1, 0, 0);
     struct em_vec t1 = em_vec_cross(n, up);
     t1 = em_vec_scale(1.0 / em_vec_norm(t1), t1);
     struct em_vec t2 = em_vec_cross(n, t1), next = n;
-    for (int k = 0; k < WAYS; ++k) {
-      double phi = 2.0 * M_PI * k / WAYS;
+    for (int way = 0; way < WAYS; ++way) {
+      double phi = 2.0 * M_PI * way / WAYS;
       struct em_vec t = em_vec_axpy(em_vec_scale(cos(phi), t1), sin(phi), t2);
       struct em_vec m = turned(n, t, step);
       double gap = parted(a, b, m);
-      if (gap > best) {
+      if (gap > best + gain) {
         best = gap;
         next = m;
       }

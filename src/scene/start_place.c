@@ -62,7 +62,7 @@ enum { TRIES_PER_BALL = 1000 };
 /* Tries that all balls may take together. Few balls may try long, as the reference's do; for many it
  * is faster to push them apart. */
 static size_t tries_allowed(size_t balls) {
-  const size_t few = 2000000, each = 8;
+  const size_t few = 2000000, each = 2;
   return balls * each > few ? balls * each : few;
 }
 
