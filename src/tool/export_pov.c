@@ -28,7 +28,7 @@ static void camera(FILE *out, const struct em_scene *scene) {
   const struct em_vec fill = em_vec_add(middle, em_vec_scale(size, em_vec_make(-3.0, -1.5, 1.0)));
   fprintf(out, "camera { perspective location ");
   put_vec(out, eye);
-  fprintf(out, " right x*image_width/image_height up y angle 44 sky y look_at ");
+  fprintf(out, " right x*image_width/image_height up y angle 36 sky y look_at ");
   put_vec(out, middle);
   fprintf(out, " }\nlight_source { ");
   put_vec(out, lamp);

@@ -9,7 +9,7 @@
 
 /* Ball-ball collisions per ball: until the start is forgotten, between two samples of the same
  * balls, and within one window of collisions. */
-static const double SETTLE = 30.0, APART = 15.0, WITHIN = 0.1;
+static const double SETTLE = 30.0, APART = 15.0, WITHIN = 0.2;
 
 /* Layers that walls impose on the balls near them have faded so many diameters away. */
 static const double LAYERS = 3.0;

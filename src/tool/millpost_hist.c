@@ -259,9 +259,9 @@ static enum em_status draw(const struct curve *curve, int count, const struct in
                                         .y = curve[k].y};
   }
   em_plot_subtitle(em_run_file_scene(in[0].file), subtitle, sizeof subtitle);
-  if (runs > 1) snprintf(subtitle, sizeof subtitle, "%d runs", runs);
   const size_t used = strlen(subtitle);
   snprintf(subtitle + used, sizeof subtitle - used, " · %.3g … %.3g s", gather->from, gather->to);
+  if (runs > 1) snprintf(subtitle, sizeof subtitle, "%d runs", runs);
   snprintf(title, sizeof title, "%s of the %s", o->cumulative ? "Cumulative share" : "Distribution",
            em_gather_symbol(gather->of));
   snprintf(x_label, sizeof x_label, "%s  [%s]", em_gather_symbol(gather->of),
