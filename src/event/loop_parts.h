@@ -173,9 +173,8 @@ static inline bool goes_before(uint32_t a, uint32_t with_a, uint32_t b, uint32_t
 
 /* Which of the balls whose events share the time t goes next: one whose event only updates lists,
  * else the first contact in the fixed order. */
-static inline uint32_t untie(struct em_world *w, uint32_t first, double t) {
+static inline uint32_t untie(struct em_world *w, double t) {
   const size_t n = w->queue_kind->tied(w->queue, w->tied, w->count);
-  if (n < 2) return first;
   uint32_t next = EM_NOBODY, with = EM_NOBODY;
   for (size_t k = 0; k < n; k++) {
     const uint32_t i = w->tied[k];

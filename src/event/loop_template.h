@@ -182,7 +182,9 @@ static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, dou
 /* Both walls across one axis. */
 static bool FN(predict_walls)(struct em_world *w, uint32_t i, uint32_t axis, double x, double v,
                               double g, double low, double high, double h) {
-  const double r = w->body[i].radius;
+  const double r = w->body[i].radius, near = fabs(x - 0.5 * (low + high)) + r;
+  const double far = fabs(v) * h + (WITH(GRAVITY) ? 0.5 * fabs(g) * h * h : 0.0);
+  if ((near + far) * (1.0 + 1e-12) < 0.5 * (high - low)) return true;
   return (!w->wall[2 * axis] || FN(predict_plane)(w, i, 2 * axis, x - low - r, v, g, h)) &&
          (!w->wall[2 * axis + 1] ||
           FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
@@ -207,12 +209,9 @@ static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double
   return FN(enter_surface)(w, i, code, dt);
 }
 
-/* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
- * place or meets another ball. */
-static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
-  if (!w->drum && !w->walls && !WITH(ROTOR)) return true;
+/* The chamber's walls. */
+static bool FN(predict_room)(struct em_world *w, uint32_t i, double h) {
   const struct em_body *b = &w->body[i];
-  double h = FN(until)(w, i) - b->t;
   if (w->drum) {
     if (!FN(predict_drum)(w, i, h)) return false;
   } else if (w->walls) {
@@ -220,17 +219,19 @@ static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
         !FN(predict_walls)(w, i, 2, b->z, b->vz, w->gravity.z, w->low.z, w->high.z, h))
       return false;
   }
-  if (w->walls &&
-      !FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h))
-    return false;
-  if (WITH(ROTOR)) {
-    uint32_t mask = w->partition_kind->blades(w, i);
-    if (mask) h = FN(until)(w, i) - b->t;
-    for (uint32_t k = 0; mask && k < w->blade_count; k++) {
-      if (mask & (1u << (k < 31 ? k : 31)) && !FN(predict_blade)(w, i, k, h)) return false;
-      if (k < 31) mask &= ~(1u << k);
-    }
-  }
+  return !w->walls ||
+         FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h);
+}
+
+/* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
+ * place or meets another ball. */
+static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
+  const uint32_t near = w->partition_kind->surfaces(w, i), blades = near & ~EM_NEAR_WALL;
+  if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
+  if (!WITH(ROTOR) || !blades) return true;
+  const double h = FN(until)(w, i) - w->body[i].t;
+  for (uint32_t k = 0; k < w->blade_count; k++)
+    if (blades & EM_NEAR_BLADE(k) && !FN(predict_blade)(w, i, k, h)) return false;
   return true;
 }
 
@@ -483,11 +484,12 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
   uint64_t turns = 0;
   while (*left > 0) {
     double t;
-    uint32_t i = w->queue_kind->first(w->queue, &t);
+    bool alone;
+    uint32_t i = w->queue_kind->first(w->queue, &t, &alone);
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    i = untie(w, i, t);
+    if (!alone) i = untie(w, t);
     if (!is_real(w, i, t)) {
       if (w->leave[i] <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
       continue;

@@ -48,7 +48,7 @@ uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double r
     if (fabs(axial) > b->radius + pad) continue;
     const double far = w->blade[k].hull + pad;
     if (em_vec_norm2(q) - axial * axial > far * far) continue;
-    mask |= 1u << (k < 31 ? k : 31);
+    mask |= EM_NEAR_BLADE(k);
   }
   return mask;
 }

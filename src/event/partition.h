@@ -26,11 +26,15 @@ struct em_partition_kind {
   /* A new epoch has begun: all times of the world, leave times too, have been moved back by its
    * length. NULL: nothing to do. Returns false when memory is short. */
   bool (*renew)(struct em_world *world);
-  /* Blades that ball i can meet before it leaves: bit k for blade k, bit 31 for all from 31 on. */
-  uint32_t (*blades)(const struct em_world *world, uint32_t i);
+  /* Surfaces that ball i can meet before it leaves: EM_NEAR_WALL and the bits of blades. */
+  uint32_t (*surfaces)(const struct em_world *world, uint32_t i);
   size_t (*bytes)(const struct em_places *places);
   bool (*is_valid)(const struct em_world *world);
 };
+
+/* The drum or any plane wall, and blade k: the last bit stands for all further blades. */
+#define EM_NEAR_WALL     0x80000000u
+#define EM_NEAR_BLADE(k) (1u << ((k) < 30 ? (k) : 30))
 
 extern const struct em_partition_kind em_partition_neighbours;
 extern const struct em_partition_kind em_partition_cells;
@@ -45,7 +49,7 @@ const struct em_partition_kind *em_partition_find(enum em_partition partition);
 double em_partition_stay(const struct em_world *world, uint32_t i, double from, struct em_vec c,
                          double room);
 
-/* The blades that a ball of radius R whose centre stays within `room` of c can touch. */
+/* The blades, as bits EM_NEAR_BLADE, that a ball whose centre stays within `room` of c can touch. */
 uint32_t em_partition_blades(const struct em_world *world, struct em_vec c, double radius,
                              double room);
 

@@ -181,9 +181,9 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   return p->found;
 }
 
-static uint32_t blades(const struct em_world *w, uint32_t i) {
+static uint32_t surfaces(const struct em_world *w, uint32_t i) {
   const struct em_places *p = w->places;
-  return p->mask ? p->mask[index_of(p, p->cell[i])] : 0;
+  return EM_NEAR_WALL | (p->mask ? p->mask[index_of(p, p->cell[i])] : 0);
 }
 
 static void free_places(struct em_places *p) {
@@ -317,7 +317,7 @@ const struct em_partition_kind em_partition_cells = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
-    .blades = blades,
+    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

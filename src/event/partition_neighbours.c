@@ -13,6 +13,8 @@
 #include "event/partition.h"
 #include "event/shells.h"
 
+#define STRAIGHT 0.8 /* share of the skin for the straight part of a path */
+
 enum {
   LIST_LEAST = 16,  /* a list's room is at least this, doubled when full */
   LIST_CLASSES = 28 /* rooms up to LIST_LEAST << 27 */
@@ -35,7 +37,7 @@ struct em_places {
   struct list *list;
   uint32_t *mark; /* stamps of the last search */
   uint32_t stamp;
-  uint32_t *blades; /* NULL without blades */
+  uint32_t *near;   /* surfaces near each shell; NULL where there are none */
 
   uint32_t *pool; /* of all lists */
   size_t pool_used, pool_room;
@@ -43,13 +45,14 @@ struct em_places {
   size_t spare_count[LIST_CLASSES], spare_room[LIST_CLASSES];
 
   struct em_shells shells;
-  uint32_t *near; /* result of a search */
-  size_t near_room;
+  uint32_t *found; /* result of a search */
+  size_t found_room;
 
   double omega;    /* rad/s of the shells about the drum's axis */
   double phase;    /* rad, their angle at the epoch's start */
   double at, cos, sin; /* of their angle at the time `at` */
   bool may_turn;
+  double bend, bend_per_speed2; /* m/s², 1/m: see set_bend */
 
   double skin_least, skin_most, ahead;
   uint32_t few, many; /* neighbours; beyond them the skin adapts */
@@ -140,12 +143,8 @@ static void shells_turn(struct em_places *p, double t, double *c, double *s) {
   *s = p->sin * cd + p->cos * sd;
 }
 
-/* Position and velocity of ball i at time t, as seen from the shells. */
-static void seen(const struct em_world *w, struct em_places *p, uint32_t i, double t,
-                 struct em_vec *x, struct em_vec *v) {
-  *x = em_body_at(w, i, t);
-  *v = em_body_velocity(w, i, t);
-  if (p->omega == 0.0) return;
+/* Turns the position and velocity of a ball at time t to what is seen from the shells. */
+static void turn_to_shells(struct em_places *p, double t, struct em_vec *x, struct em_vec *v) {
   double c, s;
   shells_turn(p, t, &c, &s);
   const double u = v->x - p->omega * x->z, m = v->z + p->omega * x->x;
@@ -158,37 +157,60 @@ static double nearest(double d, double period) {
 }
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
- * Its straight path may use a part of the skin, what bends the path the rest: gravity, and, seen
- * from turning shells, |2 Ω × v| + Ω² ρ, all less than `bend`. */
+ * `fast`: its speed in the frame of the scene. Its straight path may use a part of the skin, what
+ * bends the path the rest: gravity, and, seen from turning shells, 2 Ω |v| + Ω² ρ, together less
+ * than `bend`. */
 static double stay(const struct em_world *w, const struct em_places *p, const struct shell *s,
-                   double from, struct em_vec x, struct em_vec v) {
-  const double share = 0.8, skin = (double)s->skin, vv = em_vec_norm2(v);
-  const double turn = fabs(p->omega);
-  double bend = w->fall;
-  if (turn > 0.0)
-    bend += 2.0 * turn * (sqrt(vv) + sqrt(2.0 * (1.0 - share) * skin * w->fall)) +
-            3.0 * turn * turn * w->rho;
-  const double room = bend > 0.0 ? share * skin : 0.999999 * skin;
+                   double from, struct em_vec x, struct em_vec v, double fast2) {
+  const double skin = (double)s->skin, vv = em_vec_norm2(v);
+  const double bend = p->bend + p->bend_per_speed2 * fast2;
+  const double room = bend > 0.0 ? STRAIGHT * skin : 0.999999 * skin;
   const struct em_vec o = {nearest(x.x - (double)s->centre[0], w->period.x),
                            nearest(x.y - (double)s->centre[1], w->period.y),
                            nearest(x.z - (double)s->centre[2], w->period.z)};
-  const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o);
+  const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o), disc = b * b + vv * c;
   double time;
-  if (c <= 0.0) {
-    const double disc = b * b + vv * c;
+  if (c <= 0.0)
     time = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
-  } else {
-    const double root = sqrt(b * b + vv * c);
-    time = b > 0.0 ? c / (b + root) : vv > 0.0 ? (root - b) / vv : INFINITY;
-  }
-  if (bend > 0.0) time = fmin(time, sqrt(2.0 * (1.0 - share) * skin / bend));
+  else if (b > 0.0)
+    time = c / (b + sqrt(disc));
+  else
+    time = vv > 0.0 ? (sqrt(disc) - b) / vv : INFINITY;
+  if (0.5 * bend * time * time > (1.0 - STRAIGHT) * skin)
+    time = sqrt(2.0 * (1.0 - STRAIGHT) * skin / bend);
   return from + time;
+}
+
+/* What bends a path at most: a speed u is less than (u²/a + a)/2 for any a, and gravity adds to it
+ * less than √(2 · rest of the skin · g) before the ball is out. */
+static void set_bend(const struct em_world *w, struct em_places *p, double usual_speed) {
+  const double turn = fabs(p->omega), a = fmax(usual_speed, 1e-3 * turn * w->rho);
+  const double fallen = sqrt(2.0 * (1.0 - STRAIGHT) * p->skin_most * w->fall);
+  p->bend = w->fall;
+  p->bend_per_speed2 = 0.0;
+  if (turn == 0.0) return;
+  p->bend += turn * turn * w->rho + 2.0 * turn * (fallen + 0.5 * a);
+  p->bend_per_speed2 = turn / a;
+}
+
+/* Walls and blades that a ball can touch while its shell stays where it is, or turns about the
+ * drum's axis; `reach`: how far from the shell's centre its surface can be. */
+static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, double reach) {
+  const double x = (double)s->centre[0], y = (double)s->centre[1], z = (double)s->centre[2];
+  const double r = reach * (1.0 + 1e-6), in = w->rho - r;
+  uint32_t near = em_partition_blades(w, em_vec_make(x, y, z), r, 0.0);
+  if (w->drum && !(in > 0.0 && x * x + z * z < in * in)) near |= EM_NEAR_WALL;
+  if (w->wall[0] && !(x - r > w->low.x && x + r < w->high.x)) near |= EM_NEAR_WALL;
+  if (w->wall[2] && !(y - r > w->low.y && y + r < w->high.y)) near |= EM_NEAR_WALL;
+  if (w->wall[4] && !(z - r > w->low.z && z + r < w->high.z)) near |= EM_NEAR_WALL;
+  return near;
 }
 
 /* Places the shell of ball i at time `now`, ahead of it in its direction. */
 static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, double now) {
-  struct em_vec x, v;
-  seen(w, p, i, now, &x, &v);
+  struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
+  const double fast2 = em_vec_norm2(v);
+  if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
   const double speed2 = em_vec_norm2(v);
   struct shell *s = &p->shell[i];
   const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
@@ -196,23 +218,21 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   s->centre[0] = (float)wrapped(c.x, w->low.x, w->period.x);
   s->centre[1] = (float)wrapped(c.y, w->low.y, w->period.y);
   s->centre[2] = (float)wrapped(c.z, w->low.z, w->period.z);
-  w->leave[i] = stay(w, p, s, now, x, v);
-  if (!p->blades) return;
-  const struct em_vec centre = {(double)s->centre[0], (double)s->centre[1], (double)s->centre[2]};
-  p->blades[i] = em_partition_blades(w, centre, w->body[i].radius, (double)s->skin);
+  w->leave[i] = stay(w, p, s, now, x, v, fast2);
+  if (p->near) p->near[i] = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
 }
 
 static float hull_of(const struct em_world *w, uint32_t i) {
   return w->places->shell[i].skin + (float)w->body[i].radius;
 }
 
-/* All shells near that of ball i go to p->near; false: no memory. */
+/* All shells near that of ball i go to p->found; false: no memory. */
 static bool search(const struct em_world *w, struct em_places *p, uint32_t i, uint32_t *count) {
   for (;;) {
-    const uint32_t most = (uint32_t)p->near_room;
-    *count = em_shells_find(&p->shells, p->shell[i].centre, hull_of(w, i), p->near, most);
+    const uint32_t most = (uint32_t)p->found_room;
+    *count = em_shells_find(&p->shells, p->shell[i].centre, hull_of(w, i), p->found, most);
     if (*count < most) return true;
-    if (!grow((void **)&p->near, sizeof *p->near, &p->near_room, 2 * p->near_room + 64))
+    if (!grow((void **)&p->found, sizeof *p->found, &p->found_room, 2 * p->found_room + 64))
       return false;
   }
 }
@@ -241,11 +261,11 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   for (uint32_t k = 0; k < l->count; k++) p->mark[p->pool[l->at + k]] = kept - 1;
   *count = 0;
   for (uint32_t k = 0; k < found; k++) {
-    const uint32_t j = p->near[k];
+    const uint32_t j = p->found[k];
     if (p->mark[j] == kept - 1)
       p->mark[j] = kept;
     else
-      p->near[(*count)++] = j;
+      p->found[(*count)++] = j;
   }
   for (uint32_t k = 0; k < l->count;) {
     const uint32_t j = p->pool[l->at + k];
@@ -257,9 +277,9 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
     }
   }
   for (uint32_t k = 0; k < *count; k++)
-    if (!list_add(p, i, p->near[k]) || !list_add(p, p->near[k], i)) goto memory;
+    if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) goto memory;
   if (!em_shells_enter(&p->shells, i, s->centre, hull_of(w, i))) goto memory;
-  return p->near;
+  return p->found;
 memory:
   *count = 1;
   return NULL;
@@ -272,14 +292,16 @@ static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *coun
 }
 
 static void moved(struct em_world *w, uint32_t i) {
-  struct em_vec x, v;
-  const double t = w->body[i].t;
-  seen(w, w->places, i, t, &x, &v);
-  w->leave[i] = stay(w, w->places, &w->places->shell[i], t, x, v);
+  struct em_places *p = w->places;
+  const struct em_body *b = &w->body[i];
+  struct em_vec x = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
+  const double fast2 = em_vec_norm2(v);
+  if (p->omega != 0.0) turn_to_shells(p, b->t, &x, &v);
+  w->leave[i] = stay(w, p, &p->shell[i], b->t, x, v, fast2);
 }
 
-static uint32_t blades(const struct em_world *w, uint32_t i) {
-  return w->places->blades ? w->places->blades[i] : 0;
+static uint32_t surfaces(const struct em_world *w, uint32_t i) {
+  return w->places->near ? w->places->near[i] : 0;
 }
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -317,9 +339,9 @@ static void free_places(struct em_places *p) {
   free(p->shell);
   free(p->list);
   free(p->mark);
-  free(p->blades);
-  free(p->pool);
   free(p->near);
+  free(p->pool);
+  free(p->found);
   em_shells_release(&p->shells);
   free(p);
 }
@@ -328,8 +350,9 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   p->shell = em_body_array(w->count, sizeof *p->shell);
   p->list = em_body_array(w->count, sizeof *p->list);
   p->mark = em_body_array(w->count, sizeof *p->mark);
-  if (w->blade_count) p->blades = em_body_array(w->count, sizeof *p->blades);
-  return p->shell && p->list && p->mark && (p->blades || !w->blade_count) &&
+  const bool any = w->drum || w->walls || w->blade_count;
+  if (any) p->near = em_body_array(w->count, sizeof *p->near);
+  return p->shell && p->list && p->mark && (p->near || !any) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period,
                         p->skin_most + w->largest, w->loop->avx2);
 }
@@ -341,7 +364,7 @@ static bool fill(struct em_world *w, struct em_places *p) {
     uint32_t count;
     if (!search(w, p, i, &count)) return false;
     for (uint32_t k = 0; k < count; k++)
-      if (!list_add(p, i, p->near[k]) || !list_add(p, p->near[k], i)) return false;
+      if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) return false;
     if (!em_shells_enter(&p->shells, i, p->shell[i].centre, hull_of(w, i))) return false;
   }
   return true;
@@ -393,6 +416,7 @@ static bool renew(struct em_world *w) {
   if (fabs(omega - p->omega) * w->rho < 0.25 * rest) return true;
   p->omega = omega;
   p->phase = 0.0;
+  set_bend(w, p, hypot(rest, omega * w->rho));
   em_shells_clear(&p->shells);
   for (uint32_t i = 0; i < w->count; i++) p->list[i].count = 0;
   return fill(w, p);
@@ -415,10 +439,9 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   w->places = p;
   p->may_turn = may_turn(w);
   p->at = NAN;
-  if (p->may_turn) {
-    double rest;
-    p->omega = mean_rotation(w, &rest);
-  }
+  double rest = 0.0;
+  if (p->may_turn) p->omega = mean_rotation(w, &rest);
+  set_bend(w, p, hypot(rest, p->omega * w->rho));
   if (!take_arrays(w, p) || !first_fill(w, p)) {
     w->places = NULL;
     free_places(p);
@@ -430,9 +453,9 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 
 static size_t bytes(const struct em_places *p) {
   size_t sum = p->count * (sizeof *p->shell + sizeof *p->list + sizeof *p->mark) +
-               p->pool_room * sizeof *p->pool + p->near_room * sizeof *p->near;
+               p->pool_room * sizeof *p->pool + p->found_room * sizeof *p->found;
   for (int k = 0; k < LIST_CLASSES; k++) sum += p->spare_room[k] * sizeof **p->spare;
-  return sum + em_shells_bytes(&p->shells) + (p->blades ? p->count * sizeof *p->blades : 0);
+  return sum + em_shells_bytes(&p->shells) + (p->near ? p->count * sizeof *p->near : 0);
 }
 
 /* Every entry has its mirror image, every shell is in its cell. */
@@ -459,7 +482,7 @@ const struct em_partition_kind em_partition_neighbours = {
     .moved = moved,
     .cross = cross,
     .renew = renew,
-    .blades = blades,
+    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

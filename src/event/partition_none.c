@@ -45,9 +45,10 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   return p->other;
 }
 
-static uint32_t blades(const struct em_world *w, uint32_t i) {
+static uint32_t surfaces(const struct em_world *w, uint32_t i) {
+  (void)w;
   (void)i;
-  return w->blade_count < 32 ? (1u << w->blade_count) - 1 : UINT32_MAX;
+  return UINT32_MAX;
 }
 
 static void free_places(struct em_places *p) {
@@ -106,7 +107,7 @@ const struct em_partition_kind em_partition_none = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
-    .blades = blades,
+    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

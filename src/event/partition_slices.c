@@ -139,8 +139,8 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   return p->found;
 }
 
-static uint32_t blades(const struct em_world *w, uint32_t i) {
-  return w->places->mask[w->places->interval[i]];
+static uint32_t surfaces(const struct em_world *w, uint32_t i) {
+  return EM_NEAR_WALL | w->places->mask[w->places->interval[i]];
 }
 
 /* Blades that reach, as they turn, a ball whose centre is in interval c. */
@@ -152,7 +152,7 @@ static uint32_t blades_in(const struct em_world *w, const struct em_places *p, i
     const double reach =
         w->blade[k].hull * across + b->radius * along + w->largest + 2.0 * p->slack;
     if (b->centre.y + reach < low_of(p, c) || b->centre.y - reach > high_of(p, c)) continue;
-    mask |= 1u << (k < 31 ? k : 31);
+    mask |= EM_NEAR_BLADE(k);
   }
   return mask;
 }
@@ -273,7 +273,7 @@ const struct em_partition_kind em_partition_slices = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
-    .blades = blades,
+    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

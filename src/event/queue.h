@@ -22,8 +22,9 @@ struct em_queue_kind {
   void (*clear)(struct em_queue *queue, double from);
   /* Enters a ball, or moves it. INFINITY takes it out. */
   void (*set)(struct em_queue *queue, uint32_t ball, double time);
-  /* The earliest ball and its time; EM_QUEUE_NOBODY when the list is empty. Stays in the list. */
-  uint32_t (*first)(struct em_queue *queue, double *time);
+  /* The earliest ball and its time, and whether it is the only one at that time; EM_QUEUE_NOBODY
+   * when the list is empty. Stays in the list. */
+  uint32_t (*first)(struct em_queue *queue, double *time, bool *alone);
   /* All balls whose time equals that of the earliest exactly, in any order; returns how many there
    * are, and fills in at most `room` of them. */
   size_t (*tied)(struct em_queue *queue, uint32_t *ball, size_t room);

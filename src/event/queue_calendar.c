@@ -298,11 +298,14 @@ static void set(struct em_queue *q, uint32_t ball, double time) {
   file_ball(q, ball, bin);
 }
 
-static uint32_t first(struct em_queue *q, double *time) {
+static uint32_t first(struct em_queue *q, double *time, bool *alone) {
   if (q->heap_size == 0 && !advance(q)) return EM_QUEUE_NOBODY;
   if (q->heap_size > LARGE_HEAP && ++q->pressure > q->count) relieve_heap(q);
   const uint32_t ball = q->heap[0];
-  *time = q->time[ball];
+  const double t = q->time[ball];
+  *time = t;
+  *alone = (q->heap_size < 2 || q->time[q->heap[1]] != t) &&
+           (q->heap_size < 3 || q->time[q->heap[2]] != t);
   return ball;
 }
 
@@ -323,20 +326,10 @@ static void collect(struct tie *tie, uint32_t place) {
   collect(tie, 2 * place + 2);
 }
 
-/* Nearly always only the root is tied. */
-static bool is_alone(const struct em_queue *q) {
-  const double time = q->time[q->heap[0]];
-  return (q->heap_size < 2 || q->time[q->heap[1]] != time) &&
-         (q->heap_size < 3 || q->time[q->heap[2]] != time);
-}
-
 static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
   double time;
-  if (q->heap_size > 0 && is_alone(q)) {
-    if (room > 0) ball[0] = q->heap[0];
-    return 1;
-  }
-  if (first(q, &time) == EM_QUEUE_NOBODY) return 0;
+  bool alone;
+  if (first(q, &time, &alone) == EM_QUEUE_NOBODY) return 0;
   struct tie tie = {q, time, ball, room, 0};
   collect(&tie, 0);
   return tie.found;

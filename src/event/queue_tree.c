@@ -47,10 +47,12 @@ static void set(struct em_queue *queue, uint32_t ball, double time) {
   if (time != INFINITY) em_rbtree_insert(&queue->tree, node, ball);
 }
 
-static uint32_t first(struct em_queue *queue, double *time) {
+static uint32_t first(struct em_queue *queue, double *time, bool *alone) {
   const uint32_t ball = queue->tree.first;
   if (ball == EM_RBTREE_NONE) return EM_QUEUE_NOBODY;
+  const uint32_t next = queue->node[ball].next;
   *time = queue->node[ball].key;
+  *alone = next == EM_RBTREE_NONE || queue->node[next].key != *time;
   return ball;
 }
 

@@ -11,7 +11,7 @@
 #include "event/body.h"
 
 /* Shells per cell, where these are not too small for it: eight are looked at in one go. */
-#define PER_CELL 5.0
+#define PER_CELL 4.0
 
 #define FIND find_plain
 static uint32_t find_plain(const struct em_shells *s, const float centre[3], float hull,
@@ -81,8 +81,9 @@ void em_shells_release(struct em_shells *s) {
 }
 
 static int along(const struct em_shells *s, int axis, double x) {
-  const int n = s->n[axis], k = (int)floor(x * s->per_edge[axis]);
-  return k < 0 ? 0 : k >= n ? n - 1 : k;
+  const int n = s->n[axis];
+  const double k = x * s->per_edge[axis];
+  return k < 0.0 ? 0 : k >= n ? n - 1 : (int)k;
 }
 
 static uint32_t cell_of(const struct em_shells *s, const float centre[3]) {

@@ -136,7 +136,7 @@ static void check_pairs(struct em_world *w, uint32_t i, double now, uint64_t *fo
 }
 
 static void check_blades(const struct em_world *w, uint32_t i, double now, uint64_t *found) {
-  const uint32_t mask = w->partition_kind->blades(w, i);
+  const uint32_t mask = w->partition_kind->surfaces(w, i);
   const double horizon = w->leave[i] - now;
   for (uint32_t k = 0; k < w->blade_count && horizon > 0.0; k++) {
     const struct em_blade *b = &w->blade[k].blade;
@@ -145,7 +145,7 @@ static void check_blades(const struct em_world *w, uint32_t i, double now, uint6
                          w->body[i].radius, b->angle + b->omega * now, false, horizon, NULL);
     if (dt > horizon) continue;
     ++*found;
-    assert_true(mask & (1u << (k < 31 ? k : 31)));
+    assert_true(mask & EM_NEAR_BLADE(k));
   }
 }
 

@@ -78,9 +78,14 @@ static void check_tied(const struct em_queue_kind *kind, struct em_queue *queue,
 static void check_first(const struct em_queue_kind *kind, struct em_queue *queue,
                         const double *time, uint32_t count) {
   double t = -1.0;
-  const uint32_t ball = kind->first(queue, &t);
+  bool alone = false;
+  const uint32_t ball = kind->first(queue, &t, &alone);
   assert_int_equal(ball, scan_first(time, count));
-  if (ball != EM_QUEUE_NOBODY) assert_true(t == time[ball]);
+  if (ball == EM_QUEUE_NOBODY) return;
+  assert_true(t == time[ball]);
+  uint32_t equal = 0;
+  for (uint32_t k = 0; k < count; k++) equal += time[k] == t;
+  assert_int_equal(alone, equal == 1);
 }
 
 /* Random operations on a few balls, everything checked after every one of them. */
@@ -150,7 +155,8 @@ static uint64_t fingerprint(const struct em_queue_kind *kind, uint32_t count, ui
   double last = 0.0;
   for (uint32_t step = 0; step < steps; step++) {
     double now;
-    const uint32_t ball = kind->first(queue, &now);
+    bool alone;
+    const uint32_t ball = kind->first(queue, &now, &alone);
     if (ball == EM_QUEUE_NOBODY) break;
     assert_true(now >= last);
     last = now;
@@ -197,13 +203,15 @@ static void test_ties_come_by_number(void **unused) {
       kind->set(queue, n * 7 % COUNT, 3.0);
     for (uint32_t n = 0; n < COUNT; n++) {
       double t;
-      assert_int_equal(kind->first(queue, &t), n);
+      bool alone;
+      assert_int_equal(kind->first(queue, &t, &alone), n);
       assert_true(t == 3.0);
       assert_int_equal(kind->tied(queue, NULL, 0), COUNT - n);
       kind->set(queue, n, INFINITY);
     }
     double t;
-    assert_int_equal(kind->first(queue, &t), EM_QUEUE_NOBODY);
+    bool alone;
+    assert_int_equal(kind->first(queue, &t, &alone), EM_QUEUE_NOBODY);
     assert_int_equal(kind->tied(queue, NULL, 0), 0);
     kind->free(queue);
   }
