@@ -105,15 +105,24 @@ static double viscoelastic(double beta, double v) {
 double em_contact_restitution(const struct em_restitution *law, double vn) {
   const double *p = law->p;
   switch (law->law) {
-  case EM_LAW_CONSTANT: return clamp(p[0]);
-  case EM_LAW_SALO: return clamp(1.0 / (1.0 + vn / p[0]));
-  case EM_LAW_ANDREWS: return clamp(andrews(p[0], vn));
-  case EM_LAW_SPAHN: return clamp(p[0] * pow(vn + p[1], -p[2]));
-  case EM_LAW_POWER2: return clamp(1.0 / (1.0 + p[0] * pow(vn, p[1])));
-  case EM_LAW_POWER4: return clamp(above(p[3], pow(1.0 + p[0] * pow(vn, p[1]), -p[2])));
-  case EM_LAW_EXPONENTIAL: return clamp(above(p[2], exp(-p[0] * pow(vn, p[1]))));
-  case EM_LAW_VISCOELASTIC: return clamp(viscoelastic(p[0], vn));
-  case EM_LAW_COUNT: break;
+  case EM_LAW_CONSTANT:
+    return clamp(p[0]);
+  case EM_LAW_SALO:
+    return clamp(1.0 / (1.0 + vn / p[0]));
+  case EM_LAW_ANDREWS:
+    return clamp(andrews(p[0], vn));
+  case EM_LAW_SPAHN:
+    return clamp(p[0] * pow(vn + p[1], -p[2]));
+  case EM_LAW_POWER2:
+    return clamp(1.0 / (1.0 + p[0] * pow(vn, p[1])));
+  case EM_LAW_POWER4:
+    return clamp(above(p[3], pow(1.0 + p[0] * pow(vn, p[1]), -p[2])));
+  case EM_LAW_EXPONENTIAL:
+    return clamp(above(p[2], exp(-p[0] * pow(vn, p[1]))));
+  case EM_LAW_VISCOELASTIC:
+    return clamp(viscoelastic(p[0], vn));
+  case EM_LAW_COUNT:
+    break;
   }
   return 1.0;
 }
@@ -123,14 +132,17 @@ static double tangential_share(const struct em_contact_law *law, double m_eff, d
                                double vt) {
   const double full = (1.0 - law->tangential) * m_eff;
   switch (law->rule) {
-  case EM_RULE_ROUGH: return STICK * full;
-  case EM_RULE_REICHARDT2005: return full;
+  case EM_RULE_ROUGH:
+    return STICK * full;
+  case EM_RULE_REICHARDT2005:
+    return full;
   case EM_RULE_FRICTION: {
     const double stick = STICK * full, limit = law->friction * pn;
     return stick * vt > limit ? limit / vt : stick;
   }
   case EM_RULE_SMOOTH:
-  case EM_RULE_COUNT: break;
+  case EM_RULE_COUNT:
+    break;
   }
   return 0.0;
 }
@@ -161,10 +173,13 @@ struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_
 double em_contact_spin_factor(enum em_rule rule, double m, double radius) {
   switch (rule) {
   case EM_RULE_ROUGH:
-  case EM_RULE_FRICTION: return -2.5 / (m * radius);
-  case EM_RULE_REICHARDT2005: return -radius / m;
+  case EM_RULE_FRICTION:
+    return -2.5 / (m * radius);
+  case EM_RULE_REICHARDT2005:
+    return -radius / m;
   case EM_RULE_SMOOTH:
-  case EM_RULE_COUNT: break;
+  case EM_RULE_COUNT:
+    break;
   }
   return 0.0;
 }

@@ -119,7 +119,8 @@ static double safe(const double *q, int degree, double guess, double horizon) {
   const double a[5] = {q[0], q[1], q[2], q[3], degree == 4 ? q[4] : 0.0};
   double top = guess, t = 0.0;
   struct jet end = jet_at(a, top);
-  while (!(end.value > 0.0)) end = jet_at(a, top *= 2.0);
+  while (!(end.value > 0.0))
+    end = jet_at(a, top *= 2.0);
   for (int step = 0;; step++) {
     if (t > horizon) return INFINITY;
     const struct jet here = jet_at(a, t);
@@ -175,7 +176,8 @@ static double ferrari(const double *q, int degree, double guess) {
   if (fmax(fabs(q[0]), high) < 1e-3 * middle) return em_poly_first_rise(q, degree);
   double a[5], root[4];
   const bool turn = fabs(q[0]) > high;
-  for (int k = 0; k <= degree; k++) a[k] = turn ? q[degree - k] : q[k];
+  for (int k = 0; k <= degree; k++)
+    a[k] = turn ? q[degree - k] : q[k];
   const int count = degree == 4 ? em_poly_quartic(a, root) : em_poly_cubic(a, root);
   double best = INFINITY;
   for (int k = 0; k < count; k++) {
@@ -190,10 +192,13 @@ static double solve(const double *q, int degree, double guess, enum em_quartic s
                     double horizon) {
   if (is_far(q, degree, horizon)) return INFINITY;
   switch (solver) {
-  case EM_QUARTIC_SAFE: return safe(q, degree, guess, horizon);
-  case EM_QUARTIC_FERRARI: return ferrari(q, degree, guess);
+  case EM_QUARTIC_SAFE:
+    return safe(q, degree, guess, horizon);
+  case EM_QUARTIC_FERRARI:
+    return ferrari(q, degree, guess);
   case EM_QUARTIC_BRACKET:
-  case EM_QUARTIC_COUNT: break;
+  case EM_QUARTIC_COUNT:
+    break;
   }
   return em_poly_first_rise(q, degree);
 }

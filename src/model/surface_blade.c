@@ -10,18 +10,18 @@ struct gap {
   double value, rate;
 };
 
-/* The search for one ball and one blade, in coordinates about the blade's centre: u along e1, w along
- * axis × e1, y along the axis. */
+/* The search for one ball and one blade, in coordinates about the blade's centre: u along e1, w
+ * along axis × e1, y along the axis. */
 struct search {
   double pu, pw, py, vu, vw, vy, gu, gw, gy;
-  double fall;              /* m/s², |g| */
-  double angle, omega;      /* of the blade */
-  double radius;            /* m, of the ball */
-  double a, reach;          /* m, of the blade */
+  double fall;         /* m/s², |g| */
+  double angle, omega; /* of the blade */
+  double radius;       /* m, of the ball */
+  double a, reach;     /* m, of the blade */
   enum em_tip tip;
-  double rim;               /* m from the blade's centre to the farthest point of a flat end */
-  double bound;             /* m from the rotor's axis: no contact is farther out */
-  double tolerance;         /* m, rounding of a distance */
+  double rim;       /* m from the blade's centre to the farthest point of a flat end */
+  double bound;     /* m from the rotor's axis: no contact is farther out */
+  double tolerance; /* m, rounding of a distance */
 };
 
 /* Where the ball is at one time. */
@@ -52,8 +52,7 @@ static struct gap swept_flat(const struct place *p, double reach, double a, doub
   const double turn = p->u * p->du + p->w * p->dw; /* r r' */
   if (up <= 0.0 || up * reach < out * a) {
     const double far = sqrt(p->r * p->r + y * y);
-    return (struct gap){far - rim - radius,
-                        far > 0.0 ? (turn + y * dy) / far : 0.0};
+    return (struct gap){far - rim - radius, far > 0.0 ? (turn + y * dy) / far : 0.0};
   }
   if (out <= 0.0) return (struct gap){up - radius, dy};
   const double d = sqrt(up * up + out * out);
@@ -74,10 +73,13 @@ static struct gap swept_round(const struct place *p, double reach, double a, dou
  * from the blade at any angle. (Tip `none`: of its centre from the places where contacts are.) */
 static struct gap swept(const struct search *s, const struct place *p) {
   switch (s->tip) {
-  case EM_TIP_HEMISPHERE: return swept_round(p, s->reach, s->a, s->radius);
-  case EM_TIP_NONE: return swept_flat(p, s->reach, s->a + s->radius, s->rim, 0.0);
+  case EM_TIP_HEMISPHERE:
+    return swept_round(p, s->reach, s->a, s->radius);
+  case EM_TIP_NONE:
+    return swept_flat(p, s->reach, s->a + s->radius, s->rim, 0.0);
   case EM_TIP_FLAT:
-  case EM_TIP_COUNT: break;
+  case EM_TIP_COUNT:
+    break;
   }
   return swept_flat(p, s->reach, s->a, s->rim, s->radius);
 }
@@ -120,7 +122,8 @@ static double safe_step(double f, double rate, double bend) {
   return bend > 0.0 ? (rate + root) / bend : INFINITY;
 }
 
-/* Does f + f' s − ½ bend s² stay above the tolerance for so long? It is concave: the ends decide. */
+/* Does f + f' s − ½ bend s² stay above the tolerance for so long? It is concave: the ends decide.
+ */
 static bool is_clear(struct gap f, double bend, double time, double tolerance) {
   return f.value > tolerance && f.value + (f.rate - 0.5 * bend * time) * time > tolerance;
 }
@@ -145,7 +148,7 @@ static double inside_step(const struct search *s, const struct place *p, const s
   const double value = fmin((q->rho - width) * (q->rho + width), 0.0);
   const double rate = 2.0 * q->rho * q->drho, curve = 2.0 * (u * u + w * w + width * bend);
   const double root = sqrt(rate * rate - 2.0 * curve * value);
-  const double step = rate > 0.0   ? -2.0 * value / (rate + root)
+  const double step = rate > 0.0    ? -2.0 * value / (rate + root)
                       : curve > 0.0 ? (root - rate) / curve
                                     : INFINITY;
   return s->fall > 0.0 ? fmin(step, sqrt(width / s->fall)) : step;
@@ -233,8 +236,12 @@ static struct search prepare(const struct em_blade *blade, struct em_vec r, doub
                              double angle) {
   const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
   const struct em_vec d = em_vec_sub(r, blade->centre);
-  struct search s = {.angle = angle, .omega = blade->omega, .radius = radius, .a = blade->radius,
-                     .reach = blade->reach, .tip = blade->tip};
+  struct search s = {.angle = angle,
+                     .omega = blade->omega,
+                     .radius = radius,
+                     .a = blade->radius,
+                     .reach = blade->reach,
+                     .tip = blade->tip};
   s.pu = em_vec_dot(d, blade->e1);
   s.pw = em_vec_dot(d, e2);
   s.py = em_vec_dot(d, blade->axis);
@@ -247,8 +254,8 @@ static struct search prepare(const struct em_blade *blade, struct em_vec r, doub
 
 /* Does the ball stay beside the blade, along the rotor's axis, up to the horizon? A lower bound of
  * its distance from the blade's slice is concave in time, so its ends decide. */
-static bool is_aside(const struct em_blade *blade, struct em_vec r, struct em_vec v, struct em_vec g,
-                     double radius, double horizon) {
+static bool is_aside(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                     struct em_vec g, double radius, double horizon) {
   const double y = em_vec_dot(em_vec_sub(r, blade->centre), blade->axis);
   const double vy = em_vec_dot(v, blade->axis), gy = em_vec_dot(g, blade->axis);
   const double off = fabs(y) - (blade->radius + radius);

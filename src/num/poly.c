@@ -6,7 +6,8 @@
 
 double em_poly_value(const double *a, int degree, double x) {
   double value = a[degree];
-  for (int k = degree - 1; k >= 0; k--) value = value * x + a[k];
+  for (int k = degree - 1; k >= 0; k--)
+    value = value * x + a[k];
   return value;
 }
 
@@ -53,7 +54,8 @@ int em_poly_cubic(const double a[4], double root[3]) {
   const double m = 2.0 * sqrt(-p / 3.0);
   const double x = 3.0 * q / (p * m);
   const double angle = acos(x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x) / 3.0;
-  for (int k = 0; k < 3; k++) root[k] = m * cos(angle - k * (2.0 * M_PI / 3.0)) - shift;
+  for (int k = 0; k < 3; k++)
+    root[k] = m * cos(angle - k * (2.0 * M_PI / 3.0)) - shift;
   return 3;
 }
 
@@ -63,7 +65,8 @@ static double resolvent(double p, double q, double r) {
   double root[3];
   const int count = em_poly_cubic(a, root);
   double z = root[0];
-  for (int k = 1; k < count; k++) z = fmax(z, root[k]);
+  for (int k = 1; k < count; k++)
+    z = fmax(z, root[k]);
   const double slope = a[1] + z * (2.0 * a[2] + 3.0 * z);
   return slope != 0.0 ? z - em_poly_value(a, 3, z) / slope : z;
 }
@@ -89,7 +92,8 @@ int em_poly_quartic(const double a[5], double root[4]) {
       root[count++] = -sqrt(square[k]);
     }
   }
-  for (int k = 0; k < count; k++) root[k] -= s;
+  for (int k = 0; k < count; k++)
+    root[k] -= s;
   return count;
 }
 
@@ -100,8 +104,8 @@ double em_poly_root_bound(const double *a, int degree) {
   return 2.0 * bound;
 }
 
-/* The root in [low, high] of a polynomial that is monotone there and changes its sign: Newton inside
- * a bracket, bisection where Newton leaves it or halves too slowly. */
+/* The root in [low, high] of a polynomial that is monotone there and changes its sign: Newton
+ * inside a bracket, bisection where Newton leaves it or halves too slowly. */
 static double bracketed(const double *a, int degree, double low, double high) {
   const bool rising = em_poly_value(a, degree, high) > 0.0;
   double x = 0.5 * (low + high), before = high - low;
@@ -133,12 +137,14 @@ static double bracketed(const double *a, int degree, double low, double high) {
 }
 
 static int trim(const double *a, int degree) {
-  while (degree > 0 && a[degree] == 0.0) degree--;
+  while (degree > 0 && a[degree] == 0.0)
+    degree--;
   return degree;
 }
 
 static void derive(const double *a, int degree, double *slope) {
-  for (int k = 1; k <= degree; k++) slope[k - 1] = k * a[k];
+  for (int k = 1; k <= degree; k++)
+    slope[k - 1] = k * a[k];
 }
 
 int em_poly_changes(const double *a, int degree, double low, double high,

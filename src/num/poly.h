@@ -17,9 +17,9 @@ int em_poly_quadratic(double a, double b, double c, double root[2]);
 int em_poly_cubic(const double a[4], double root[3]);
 int em_poly_quartic(const double a[5], double root[4]);
 
-/* The places in (low, high) where the polynomial changes its sign, rising, each as precise as double
- * allows: the roots of the derivatives bracket those of the polynomial. degree ≤ EM_POLY_DEGREE.
- * Returns their number. */
+/* The places in (low, high) where the polynomial changes its sign, rising, each as precise as
+ * double allows: the roots of the derivatives bracket those of the polynomial. degree ≤
+ * EM_POLY_DEGREE. Returns their number. */
 int em_poly_changes(const double *a, int degree, double low, double high,
                     double root[EM_POLY_DEGREE]);
 

@@ -130,9 +130,13 @@ static void drums(void) {
 }
 
 static void blade(const char *what, enum em_tip tip, double near) {
-  const struct em_blade b = {.centre = {0.0, 0.0675, 0.0}, .axis = {0.0, 1.0, 0.0},
-                             .e1 = {0.0, 0.0, 1.0}, .omega = 178.0, .radius = 0.006,
-                             .reach = 0.058, .tip = tip};
+  const struct em_blade b = {.centre = {0.0, 0.0675, 0.0},
+                             .axis = {0.0, 1.0, 0.0},
+                             .e1 = {0.0, 0.0, 1.0},
+                             .omega = 178.0,
+                             .radius = 0.006,
+                             .reach = 0.058,
+                             .tip = tip};
   double sum = 0.0;
   unsigned steps = 0;
   const double start = now();

@@ -19,25 +19,28 @@ struct reference {
 };
 
 static inline void reference_init(struct reference *r) {
-  for (int k = 0; k <= REFERENCE_DEGREE; k++) mpfr_init2(r->a[k], REFERENCE_BITS);
+  for (int k = 0; k <= REFERENCE_DEGREE; k++)
+    mpfr_init2(r->a[k], REFERENCE_BITS);
   for (int k = 0; k < REFERENCE_DEGREE; k++)
     mpfr_inits2(REFERENCE_BITS, r->turn[k], r->height[k], (mpfr_ptr)0);
   mpfr_inits2(REFERENCE_BITS, r->rise, r->x, r->y, r->z, r->low, r->high, r->term, (mpfr_ptr)0);
 }
 
 static inline void reference_clear(struct reference *r) {
-  for (int k = 0; k <= REFERENCE_DEGREE; k++) mpfr_clear(r->a[k]);
-  for (int k = 0; k < REFERENCE_DEGREE; k++) mpfr_clears(r->turn[k], r->height[k], (mpfr_ptr)0);
+  for (int k = 0; k <= REFERENCE_DEGREE; k++)
+    mpfr_clear(r->a[k]);
+  for (int k = 0; k < REFERENCE_DEGREE; k++)
+    mpfr_clears(r->turn[k], r->height[k], (mpfr_ptr)0);
   mpfr_clears(r->rise, r->x, r->y, r->z, r->low, r->high, r->term, (mpfr_ptr)0);
 }
 
 /* The value of derivative number `order` at x. */
-static inline void reference_value(struct reference *r, int order, mpfr_t value,
-                                   const mpfr_t x) {
+static inline void reference_value(struct reference *r, int order, mpfr_t value, const mpfr_t x) {
   mpfr_set_zero(value, 1);
   for (int k = r->degree; k >= order; k--) {
     unsigned long factor = 1;
-    for (int i = 0; i < order; i++) factor *= (unsigned long)(k - i);
+    for (int i = 0; i < order; i++)
+      factor *= (unsigned long)(k - i);
     mpfr_mul(value, value, x, MPFR_RNDN);
     mpfr_mul_ui(r->term, r->a[k], factor, MPFR_RNDN);
     mpfr_add(value, value, r->term, MPFR_RNDN);
@@ -64,8 +67,7 @@ static inline void reference_root(struct reference *r, int order, mpfr_t root) {
     reference_value(r, order + 1, r->z, root);
     mpfr_div(r->y, r->y, r->z, MPFR_RNDN);
     mpfr_sub(r->z, root, r->y, MPFR_RNDN);
-    if (!mpfr_zero_p(r->y) && mpfr_number_p(r->y) &&
-        mpfr_get_exp(r->y) < mpfr_get_exp(root) - 180)
+    if (!mpfr_zero_p(r->y) && mpfr_number_p(r->y) && mpfr_get_exp(r->y) < mpfr_get_exp(root) - 180)
       return;
     const bool inside = mpfr_cmp(r->z, r->low) > 0 && mpfr_cmp(r->z, r->high) < 0;
     if (inside && step % 3 != 2) {
@@ -79,8 +81,8 @@ static inline void reference_root(struct reference *r, int order, mpfr_t root) {
   }
 }
 
-/* The sign changes of derivative `order` in (0, far), given those of the next one in turn[]; both in
- * turn[]. */
+/* The sign changes of derivative `order` in (0, far), given those of the next one in turn[]; both
+ * in turn[]. */
 static inline void reference_lift(struct reference *r, int order, const mpfr_t far) {
   mpfr_t found[REFERENCE_DEGREE], from;
   int count = 0;
@@ -107,15 +109,16 @@ static inline void reference_lift(struct reference *r, int order, const mpfr_t f
   mpfr_clear(from);
 }
 
-/* Fills turn, height, rise for the coefficients a[0 … degree] on (0, far). The rise is the first t ≥ 0
- * at which the polynomial is ≥ 0 and rises. */
+/* Fills turn, height, rise for the coefficients a[0 … degree] on (0, far). The rise is the first t
+ * ≥ 0 at which the polynomial is ≥ 0 and rises. */
 static inline void reference_solve(struct reference *r, int degree, double far) {
   r->degree = degree;
   r->turns = 0;
   mpfr_t end, here, next;
   mpfr_inits2(REFERENCE_BITS, end, here, next, (mpfr_ptr)0);
   mpfr_set_d(end, far, MPFR_RNDN);
-  for (int order = degree - 1; order >= 1; order--) reference_lift(r, order, end);
+  for (int order = degree - 1; order >= 1; order--)
+    reference_lift(r, order, end);
   r->rises = false;
   mpfr_set_zero(r->rise, 1);
   mpfr_set_zero(r->low, 1);

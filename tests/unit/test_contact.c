@@ -51,7 +51,8 @@ static void names(void **state) {
     assert_int_equal(em_contact_law_find(em_contact_law_name((enum em_law)i)), i);
     const int size = em_contact_law_size((enum em_law)i);
     assert_in_range(size, 1, EM_LAW_PARAMETERS);
-    for (int k = 0; k < size; k++) assert_non_null(em_contact_law_parameter((enum em_law)i, k));
+    for (int k = 0; k < size; k++)
+      assert_non_null(em_contact_law_parameter((enum em_law)i, k));
     assert_null(em_contact_law_parameter((enum em_law)i, size));
     assert_null(em_contact_law_parameter((enum em_law)i, -1));
     assert_int_equal(em_contact_law_default((enum em_law)i).law, i);
@@ -84,8 +85,8 @@ static void formulas(void **state) {
                    (0.25 + 0.75 * exp(-1.0))) < 1e-15);
 }
 
-/* The Padé form must have the exact series 1 − C₁ β v^(1/5) + C₂ β² v^(2/5), C₁ = (2/5) (5/4)^(3/5) √π
- * Γ(3/5) / Γ(21/10) (docs/physics.md), C₂ = 3/5 C₁² (Schwager & Pöschel 1998). */
+/* The Padé form must have the exact series 1 − C₁ β v^(1/5) + C₂ β² v^(2/5), C₁ = (2/5) (5/4)^(3/5)
+ * √π Γ(3/5) / Γ(21/10) (docs/physics.md), C₂ = 3/5 C₁² (Schwager & Pöschel 1998). */
 static void viscoelastic_series(void **state) {
   (void)state;
   const double c1 = 0.4 * pow(1.25, 0.6) * sqrt(M_PI) * tgamma(0.6) / tgamma(2.1);
@@ -104,7 +105,8 @@ static void shapes(void **state) {
     for (int try = 0; try < 200; try++) {
       struct em_restitution e = em_contact_law_default((enum em_law)law);
       if (try > 0)
-        for (int k = 0; k < EM_LAW_PARAMETERS; k++) e.p[k] *= spread(0.3, 3.0);
+        for (int k = 0; k < EM_LAW_PARAMETERS; k++)
+          e.p[k] *= spread(0.3, 3.0);
       const double rest = em_contact_restitution(&e, 0.0);
       assert_true(rest >= 0.0 && rest <= 1.0);
       if (try == 0 && law != EM_LAW_CONSTANT) assert_true(rest > 0.99999 && rest <= 1.0);
@@ -194,8 +196,7 @@ static struct balance balance(const struct pair *a) {
 static struct em_impulse collide(struct pair *a, const struct em_contact_law *law,
                                  bool frictionless, bool elastic) {
   const double m_eff = a->m[0] * a->m[1] / (a->m[0] + a->m[1]);
-  const struct em_impulse i =
-      em_contact_impulse(law, m_eff, a->e, slip(a), frictionless, elastic);
+  const struct em_impulse i = em_contact_impulse(law, m_eff, a->e, slip(a), frictionless, elastic);
   const struct em_vec total = em_vec_add(i.normal, i.tangential);
   const struct em_vec turn = em_vec_cross(a->e, i.tangential);
   for (int k = 0; k < 2; k++) {
@@ -306,8 +307,8 @@ static void reichardt_formula(void **state) {
                    em_vec_scale(-(law.normal.p[0] + 1.0) * share * gn, a.e));
     const struct em_vec d = em_vec_sub(em_vec_sub(a.v[0], before.v[0]), change);
     assert_true(em_vec_norm(d) < 1e-13 * em_vec_norm(g));
-    const struct em_vec turn = em_vec_scale(
-        -before.r[0] * share * (law.tangential - 1.0), em_vec_cross(a.e, gt));
+    const struct em_vec turn =
+        em_vec_scale(-before.r[0] * share * (law.tangential - 1.0), em_vec_cross(a.e, gt));
     const struct em_vec w = em_vec_sub(em_vec_sub(a.w[0], before.w[0]), turn);
     assert_true(em_vec_norm(w) < 1e-12 * em_vec_norm(before.w[0]));
   }
@@ -330,21 +331,26 @@ static void remedies(void **state) {
       i = em_contact_impulse(&law, m, a.e, g, true, false);
       assert_true(em_vec_norm(i.normal) == 0.0 && i.vn == 0.0);
     }
-  const struct em_contact_law slide = {
-      EM_RULE_FRICTION, {EM_LAW_CONSTANT, {0.5}}, -0.5, 0.3};
-  const struct em_impulse still = em_contact_impulse(&slide, 1.0, em_vec_make(0, 0, 1),
-                                                     em_vec_make(0, 0, -1), false, false);
+  const struct em_contact_law slide = {EM_RULE_FRICTION, {EM_LAW_CONSTANT, {0.5}}, -0.5, 0.3};
+  const struct em_impulse still =
+      em_contact_impulse(&slide, 1.0, em_vec_make(0, 0, 1), em_vec_make(0, 0, -1), false, false);
   assert_true(em_vec_norm(still.tangential) == 0.0 && still.vt == 0.0);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(names),           cmocka_unit_test(formulas),
-      cmocka_unit_test(viscoelastic_series), cmocka_unit_test(shapes),
-      cmocka_unit_test(defaults_are_fits), cmocka_unit_test(rough),
-      cmocka_unit_test(friction),        cmocka_unit_test(smooth),
-      cmocka_unit_test(reichardt),       cmocka_unit_test(rough_elastic),
-      cmocka_unit_test(reichardt_formula), cmocka_unit_test(remedies),
+      cmocka_unit_test(names),
+      cmocka_unit_test(formulas),
+      cmocka_unit_test(viscoelastic_series),
+      cmocka_unit_test(shapes),
+      cmocka_unit_test(defaults_are_fits),
+      cmocka_unit_test(rough),
+      cmocka_unit_test(friction),
+      cmocka_unit_test(smooth),
+      cmocka_unit_test(reichardt),
+      cmocka_unit_test(rough_elastic),
+      cmocka_unit_test(reichardt_formula),
+      cmocka_unit_test(remedies),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

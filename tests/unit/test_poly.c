@@ -29,16 +29,19 @@ static void expand(const double *root, int degree, double lead, double *a) {
   for (int n = 0; n < degree; n++)
     for (int k = n + 1; k >= 0; k--)
       b[k] = (k > 0 ? b[k - 1] : 0.0L) - (k <= n ? b[k] * root[n] : 0.0L);
-  for (int k = 0; k <= degree; k++) a[k] = (double)b[k];
+  for (int k = 0; k <= degree; k++)
+    a[k] = (double)b[k];
 }
 
 /* Roots at least `apart` from each other. */
 static void choose(double *root, int degree, double low, double high, double apart) {
   for (bool near = true; near;) {
-    for (int k = 0; k < degree; k++) root[k] = uniform(low, high);
+    for (int k = 0; k < degree; k++)
+      root[k] = uniform(low, high);
     qsort(root, (size_t)degree, sizeof(*root), rising);
     near = false;
-    for (int k = 1; k < degree; k++) near = near || root[k] - root[k - 1] < apart;
+    for (int k = 1; k < degree; k++)
+      near = near || root[k] - root[k - 1] < apart;
   }
 }
 
@@ -73,7 +76,8 @@ static void closed_forms(void **state) {
     const int count = degree == 3 ? em_poly_cubic(a, found) : em_poly_quartic(a, found);
     assert_int_equal(count, degree);
     qsort(found, (size_t)count, sizeof(*found), rising);
-    for (int k = 0; k < degree; k++) assert_true(fabs(found[k] - root[k]) < 1e-7);
+    for (int k = 0; k < degree; k++)
+      assert_true(fabs(found[k] - root[k]) < 1e-7);
   }
 }
 
@@ -103,7 +107,8 @@ static void changes(void **state) {
     choose(root, degree, -2.0, 2.0, 1e-3);
     expand(root, degree, uniform(-1.0, 1.0), a);
     assert_int_equal(em_poly_changes(a, degree, -3.0, 3.0, found), degree);
-    for (int k = 0; k < degree; k++) assert_true(fabs(found[k] - root[k]) < 1e-5);
+    for (int k = 0; k < degree; k++)
+      assert_true(fabs(found[k] - root[k]) < 1e-5);
     assert_true(em_poly_root_bound(a, degree) >= fmax(fabs(root[0]), fabs(root[degree - 1])));
   }
 }
@@ -125,8 +130,8 @@ static void first_rise(void **state) {
     assert_true(found == truth || fabs(found - truth) < 1e-5);
   }
   const double up[3] = {1.0, 1.0, 1.0}, dip[3] = {1.0, -1.0, 1.0}, fall[2] = {1.0, -1.0};
-  assert_true(em_poly_first_rise(up, 2) == 0.0);   /* above and rising: now */
-  assert_true(em_poly_first_rise(dip, 2) == 0.5);  /* above, falling, never below: where it turns */
+  assert_true(em_poly_first_rise(up, 2) == 0.0);  /* above and rising: now */
+  assert_true(em_poly_first_rise(dip, 2) == 0.5); /* above, falling, never below: where it turns */
   assert_true(em_poly_first_rise(fall, 1) == INFINITY);
   const double below[3] = {1.0, -3.0, 1.0}, zero[5] = {0};
   assert_true(fabs(em_poly_first_rise(below, 2) - (1.5 + sqrt(1.25))) < 1e-15);

@@ -83,10 +83,13 @@ static struct look look(const struct flight *f, real t) {
     r2 += d[k] * d[k];
     v2 += (v[k] + t * g[k]) * (v[k] + t * g[k]);
   }
-  for (int k = 0; k < 3; k++) rho2 += (d[k] - along * bar[k]) * (d[k] - along * bar[k]);
+  for (int k = 0; k < 3; k++)
+    rho2 += (d[k] - along * bar[k]) * (d[k] - along * bar[k]);
   const real rho = sqrtl(rho2), x = fabsl(along);
   const bool round = b->tip == EM_TIP_HEMISPHERE;
-  const real end = b->tip == EM_TIP_NONE ? INFINITY : round ? fmax(b->reach - b->radius, 0.0) : b->reach;
+  const real end = b->tip == EM_TIP_NONE ? INFINITY
+                   : round               ? fmax(b->reach - b->radius, 0.0)
+                                         : b->reach;
   const real thick = round ? 0 : b->radius, dx = fmaxl(x - end, 0), dr = fmaxl(rho - thick, 0);
   real gap = hypotl(dx, dr), nx = dx / gap, nr = dr / gap;
   if (!(gap > 0)) { /* the centre is inside the bar */
@@ -98,8 +101,8 @@ static struct look look(const struct flight *f, real t) {
   for (int k = 0; k < 3; k++) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const real turn = b->omega * (n[i] * d[j] - n[j] * d[i]);
-    const real normal = nx * (along < 0 ? -bar[k] : bar[k]) +
-                        (rho > 0 ? nr * (d[k] - along * bar[k]) / rho : 0);
+    const real normal =
+        nx * (along < 0 ? -bar[k] : bar[k]) + (rho > 0 ? nr * (d[k] - along * bar[k]) / rho : 0);
     rate += normal * (v[k] + t * g[k] - turn);
   }
   if (round) gap -= b->radius;
@@ -107,8 +110,8 @@ static struct look look(const struct flight *f, real t) {
 }
 
 /* A time within which a gap of this size cannot close: it changes by no more than the ball's speed
- * plus |ω| times the ball's distance from the blade's centre. Close to the blade, where that crawls,
- * its second derivative is no less than −(|g| + 2 |ω| V + ω² r), here taken fourfold. */
+ * plus |ω| times the ball's distance from the blade's centre. Close to the blade, where that
+ * crawls, its second derivative is no less than −(|g| + 2 |ω| V + ω² r), here taken fourfold. */
 static real certain(const struct flight *f, const struct look *at, real gap) {
   const real omega = fabsl((real)f->blade.omega), fall = em_vec_norm(f->g);
   const real first = gap / (at->speed + omega * at->r + 1e-30L);
@@ -183,6 +186,8 @@ static void compare(const struct flight *f, real from, struct tally *tally) {
     /* Not invented: the surfaces touch, up to the rounding of place and angle. */
     const double slack = DBL_EPSILON * (64.0 * size + 4.0 * turned * (double)at.r);
     assert_true(fabsl(at.gap) <= slack);
+    assert_true(at.rate <= 1e-6L * (at.speed + 1));
+    if (f->blade.tip == EM_TIP_NONE) assert_true(fabsl(at.along) < f->blade.reach + 1e-9L);
     tally->worst = fmax(tally->worst, fabs((double)at.gap));
     tally->hits++;
   }
@@ -206,7 +211,9 @@ static void report(const char *what, const struct tally *t) {
 /* ---------------------------------------------------------------- flights */
 static struct flight machine(int n, double omega) {
   struct flight f = {.blade = {.omega = omega, .tip = (enum em_tip)(n % EM_TIP_COUNT)},
-                     .angle = uniform(-10, 10), .radius = 0.0025, .horizon = 0.03};
+                     .angle = uniform(-10, 10),
+                     .radius = 0.0025,
+                     .horizon = 0.03};
   f.blade.radius = n % 2 ? 0.006 : spread(0.001, 0.02);
   f.blade.reach = f.blade.radius * spread(1.0, 20.0);
   f.blade.axis = n % 3 ? em_vec_make(0, 1, 0) : direction();
@@ -262,7 +269,8 @@ static struct flight at_rest(int n) {
 /* Slow balls that see many turns go by, most of them outside what the blade sweeps. */
 static struct flight many_turns(int n) {
   struct flight f = machine(n, sign() * spread(100.0, 3000.0));
-  put(&f, f.blade.reach * uniform(0.8, 1.3), sign() * uniform(0.8, 1.3) * (f.blade.radius + f.radius));
+  put(&f, f.blade.reach * uniform(0.8, 1.3),
+      sign() * uniform(0.8, 1.3) * (f.blade.radius + f.radius));
   f.v = em_vec_scale(spread(1e-9, 1e-2), direction());
   if (n % 2) f.g = em_vec_make(0, 0, 0);
   f.horizon = 60.0 / fabs(f.blade.omega);
@@ -276,8 +284,8 @@ static struct flight overtaken(int n) {
   const struct em_vec e2 = em_vec_cross(f.blade.axis, f.blade.e1);
   f.angle = 0.0;
   const double way = f.blade.radius + f.radius + ahead;
-  f.r = em_vec_axpy(em_vec_axpy(f.blade.centre, out, f.blade.e1),
-                    f.blade.omega > 0.0 ? way : -way, e2);
+  f.r = em_vec_axpy(em_vec_axpy(f.blade.centre, out, f.blade.e1), f.blade.omega > 0.0 ? way : -way,
+                    e2);
   f.v = em_vec_scale(1.0 + sign() * spread(1e-9, 1e-1), em_surface_blade_velocity(&f.blade, f.r));
   return f;
 }
@@ -313,6 +321,22 @@ static struct flight near_axis(int n) {
   return f;
 }
 
+/* Into the bar without an end, at its reach or a hair beyond. */
+static struct flight at_the_reach(int n) {
+  struct flight f = machine(3 * n + EM_TIP_NONE, sign() * spread(1.0, 300.0));
+  const struct em_vec e2 = em_vec_cross(f.blade.axis, f.blade.e1);
+  const double phi = uniform(0, 6.3), way = f.blade.radius + f.radius, before = spread(1e-6, 1e-4);
+  const struct em_vec e = em_vec_axpy(em_vec_scale(cos(phi), f.blade.axis), sin(phi), e2);
+  f.r = em_vec_axpy(f.blade.centre, f.blade.reach + sign() * spread(1e-8, 1e-5), f.blade.e1);
+  f.r = em_vec_axpy(f.r, way, e);
+  f.v = em_vec_axpy(em_surface_blade_velocity(&f.blade, f.r), -spread(0.1, 10.0), e);
+  f.v = em_vec_axpy(f.v, uniform(-1, 1), f.blade.e1);
+  f.r = em_vec_axpy(em_vec_axpy(f.r, -before, f.v), 0.5 * before * before, f.g);
+  f.v = em_vec_axpy(f.v, -before, f.g);
+  f.angle = -f.blade.omega * before;
+  return f;
+}
+
 static void mill(void **state) {
   (void)state;
   srand48(1);
@@ -334,6 +358,7 @@ static void special(void **state) {
   run("along the bar", CASES / 4, along);
   run("at the tip", CASES, tip);
   run("near the axis", CASES / 2, near_axis);
+  run("at the reach, without tip", CASES / 4, at_the_reach);
 }
 
 /* ---------------------------------------------------------------- contacts as starts */
@@ -395,7 +420,8 @@ static void overlapping(void **state) {
     compare(&f, parting / bend(&f), &tally);
     f.v = em_vec_axpy(f.v, -2.0 * parting, e);
     const double t = search(&f, INFINITY, NULL);
-    if (f.blade.tip != EM_TIP_NONE) assert_true(way <= 0.0 ? t == 0.0 : t < 1.1 * way / parting + 1e-15);
+    if (f.blade.tip != EM_TIP_NONE)
+      assert_true(way <= 0.0 ? t == 0.0 : t < 1.1 * way / parting + 1e-15);
   }
   report("overlapping by rounding", &tally);
 }
@@ -425,8 +451,12 @@ static void grazing(void **state) {
 /* Angle 0 points along e1; a positive speed about +y turns +z towards +x. */
 static void convention(void **state) {
   (void)state;
-  const struct em_blade b = {.axis = {0, 1, 0}, .e1 = {0, 0, 1}, .omega = 100.0, .radius = 0.006,
-                             .reach = 0.058, .tip = EM_TIP_FLAT};
+  const struct em_blade b = {.axis = {0, 1, 0},
+                             .e1 = {0, 0, 1},
+                             .omega = 100.0,
+                             .radius = 0.006,
+                             .reach = 0.058,
+                             .tip = EM_TIP_FLAT};
   const double up = em_surface_blade_gap(&b, em_vec_make(0, 0, 0.07), 0.0025, 0.0);
   assert_true(fabs(up - 0.0095) < 1e-15);
   const double right = em_surface_blade_gap(&b, em_vec_make(0.07, 0, 0), 0.0025, M_PI_2);
@@ -451,7 +481,8 @@ static void normals(void **state) {
     const struct em_vec side = direction();
     const double h = 1e-7;
     const double up = em_surface_blade_gap(&f.blade, em_vec_axpy(f.r, h, side), f.radius, f.angle);
-    const double down = em_surface_blade_gap(&f.blade, em_vec_axpy(f.r, -h, side), f.radius, f.angle);
+    const double down =
+        em_surface_blade_gap(&f.blade, em_vec_axpy(f.r, -h, side), f.radius, f.angle);
     assert_true(fabs((up - down) / (2.0 * h) - em_vec_dot(e, side)) < 1e-4);
   }
 }
@@ -460,12 +491,17 @@ static void normals(void **state) {
 static void ends(void **state) {
   (void)state;
   const struct em_vec none = {0, 0, 0};
-  struct em_blade b = {.axis = {0, 1, 0}, .e1 = {0, 0, 1}, .omega = 100.0, .radius = 0.006,
-                       .reach = 0.058, .tip = EM_TIP_FLAT};
+  struct em_blade b = {.axis = {0, 1, 0},
+                       .e1 = {0, 0, 1},
+                       .omega = 100.0,
+                       .radius = 0.006,
+                       .reach = 0.058,
+                       .tip = EM_TIP_FLAT};
   for (int k = 0; k < EM_TIP_COUNT; k++) {
     b.tip = (enum em_tip)k;
-    const double rim = k == EM_TIP_FLAT ? hypot(0.058, 0.006) + 0.0025
-                       : k == EM_TIP_NONE ? hypot(0.058, 0.0085) : 0.0605;
+    const double rim = k == EM_TIP_FLAT   ? hypot(0.058, 0.006) + 0.0025
+                       : k == EM_TIP_NONE ? hypot(0.058, 0.0085)
+                                          : 0.0605;
     for (int ulp = -3; ulp <= 3; ulp++) {
       struct em_vec r = {rim * (1.0 + ulp * DBL_EPSILON), 0, 0};
       const double t = em_surface_blade(&b, r, none, none, 0.0025, 0.3, false, INFINITY, NULL);
@@ -475,11 +511,13 @@ static void ends(void **state) {
       em_surface_blade(&b, r, em_vec_make(0, 1e-18, 0), none, 0.0025, 0.3, false, INFINITY, NULL);
     }
     const struct em_vec far = {0.2, 0.05, 0.1}, fall = {0, 0, -9.81}, v = {1, 2, 3};
-    assert_true(em_surface_blade(&b, far, none, none, 0.0025, 0, false, INFINITY, NULL) == INFINITY);
+    assert_true(em_surface_blade(&b, far, none, none, 0.0025, 0, false, INFINITY, NULL) ==
+                INFINITY);
     assert_true(em_surface_blade(&b, far, v, fall, 0.0025, 0, false, INFINITY, NULL) == INFINITY);
     /* In the middle of the bar without an end: never out, never in. */
     if (k == EM_TIP_NONE)
-      assert_true(em_surface_blade(&b, none, none, none, 0.0025, 0, false, INFINITY, NULL) == INFINITY);
+      assert_true(em_surface_blade(&b, none, none, none, 0.0025, 0, false, INFINITY, NULL) ==
+                  INFINITY);
   }
 }
 
