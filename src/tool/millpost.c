@@ -22,6 +22,7 @@ static const struct command commands[] = {
     {"steady", "from when on a run is stationary", em_millpost_steady},
     {"compare", "runs side by side, and what differs significantly", em_millpost_compare},
     {"scale", "which speed gives the same impacts", em_millpost_scale},
+    {"table", "key figures of all runs of a sweep", em_millpost_table},
     {"fit", "laws of restitution fitted to measured pairs", em_millpost_fit},
     {"frame", "a picture of one moment", em_millpost_frame},
     {"film", "a film", em_millpost_film},
@@ -35,9 +36,10 @@ static void print_help(FILE *out) {
                "Reads run files of mill and answers questions about them.\n\nCommands:\n");
   for (int k = 0; k < COMMANDS; k++)
     fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
-  fprintf(out, "\n'millpost COMMAND --help' tells more, with examples. Tables go to standard output\n"
-               "(--csv, --json for programs), pictures to -o FILE.png.\n"
-               "Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 a law is refuted.\n");
+  fprintf(out,
+          "\n'millpost COMMAND --help' tells more, with examples. Tables go to standard output\n"
+          "(--csv, --json for programs), pictures to -o FILE.png.\n"
+          "Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 a law is refuted.\n");
 }
 
 static void print_version(void) {

@@ -10,8 +10,12 @@
 #include "tool/report.h"
 
 /* Exit codes. */
-enum { EM_MILLPOST_DONE = 0, EM_MILLPOST_FAILED = 1, EM_MILLPOST_USAGE = 2,
-       EM_MILLPOST_REFUTED = 3 };
+enum {
+  EM_MILLPOST_DONE = 0,
+  EM_MILLPOST_FAILED = 1,
+  EM_MILLPOST_USAGE = 2,
+  EM_MILLPOST_REFUTED = 3
+};
 
 /* Each takes its own name as argv[0] and returns an exit code. */
 int em_millpost_info(int argc, char **argv);
@@ -22,6 +26,7 @@ int em_millpost_power(int argc, char **argv);
 int em_millpost_steady(int argc, char **argv);
 int em_millpost_compare(int argc, char **argv);
 int em_millpost_scale(int argc, char **argv);
+int em_millpost_table(int argc, char **argv);
 int em_millpost_fit(int argc, char **argv);
 int em_millpost_frame(int argc, char **argv);
 int em_millpost_film(int argc, char **argv);
@@ -30,24 +35,24 @@ int em_millpost_export(int argc, char **argv);
 /* What a command line says; options that were not given keep the values noted here. */
 struct em_millpost_options {
   int run_count;
-  char **run;               /* arguments that are no options */
-  enum em_report_format format; /* TEXT */
-  const char *out;          /* NULL */
-  const char *of;           /* NULL */
-  const char *cells;        /* NULL */
-  const char *to_format;    /* NULL: --to of export */
-  const char *minus;        /* NULL */
-  const char *match;        /* NULL */
-  unsigned classes;         /* bits 1 << enum em_class; 0: not given */
-  double from, to;          /* s; NAN */
-  double above, below;      /* NAN */
-  double at;                /* s; NAN */
-  double level;             /* 0.95 */
-  double alpha;             /* 0.001 */
-  double target;            /* NAN */
+  char **run;                                      /* arguments that are no options */
+  enum em_report_format format;                    /* TEXT */
+  const char *out;                                 /* NULL */
+  const char *of;                                  /* NULL */
+  const char *cells;                               /* NULL */
+  const char *to_format;                           /* NULL: --to of export */
+  const char *minus;                               /* NULL */
+  const char *match;                               /* NULL */
+  unsigned classes;                                /* bits 1 << enum em_class; 0: not given */
+  double from, to;                                 /* s; NAN */
+  double above, below;                             /* NAN */
+  double at;                                       /* s; NAN */
+  double level;                                    /* 0.95 */
+  double alpha;                                    /* 0.001 */
+  double target;                                   /* NAN */
   long bins, slices, tubes, sectors, rings, every; /* 0 */
   bool cumulative, curve, log, relative, spread;   /* false */
-  bool scene, anyway;       /* false */
+  bool scene, anyway;                              /* false */
 };
 
 /* What --help says. options: names of long options that the command takes, "" ends the list;
