@@ -21,10 +21,10 @@ struct em_cells {
   size_t per_slice;
 };
 
-/* About `sectors` cells per slice in `tubes` tubes. From the outside inwards, each tube has the whole
- * number of sectors that is nearest to equal widths of the tubes that are left, and its inner radius
- * is set so that each sector has the same volume; all cells are equal. NULL: no memory, or sectors <
- * tubes. */
+/* About `sectors` cells per slice in `tubes` tubes. From the outside inwards, each tube has the
+ * whole number of sectors that is nearest to equal widths of the tubes that are left, and its inner
+ * radius is set so that each sector has the same volume; all cells are equal. NULL: no memory, or
+ * sectors < tubes. */
 struct em_cells *em_cells_sectors(double radius, double length, size_t tubes, size_t sectors,
                                   size_t slices);
 
@@ -32,8 +32,8 @@ struct em_cells *em_cells_sectors(double radius, double length, size_t tubes, si
 struct em_cells *em_cells_rings(double radius, double length, size_t least);
 void em_cells_free(struct em_cells *cells);
 
-/* The cell of a point; `count` outside by more than 1e-6 of the drum's size (contacts with its walls
- * lie on them to rounding). Angle from +x towards +z. */
+/* The cell of a point; `count` outside by more than 1e-6 of the drum's size (contacts with its
+ * walls lie on them to rounding). Angle from +x towards +z. */
 size_t em_cells_find(const struct em_cells *cells, double x, double y, double z);
 
 /* Volume of a cell (m³). */

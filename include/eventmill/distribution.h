@@ -9,12 +9,12 @@
  *   rayleigh  x/a² exp(−x²/2a²)                   v_n at collisions, a = √2 σ (A-20)
  *   linear    2x/a² on [0, a]                     impact parameter (A-16), radius in a disc
  *   uniform   1/a on [0, a]                       positions, angles, cosines (shifted) */
-#define EM_DISTRIBUTION_LIST(X)                                                \
-  X(NORMAL, "normal")                                                          \
-  X(MAXWELL, "maxwell")                                                        \
-  X(MAXWELL4, "maxwell4")                                                      \
-  X(RAYLEIGH, "rayleigh")                                                      \
-  X(LINEAR, "linear")                                                          \
+#define EM_DISTRIBUTION_LIST(X) \
+  X(NORMAL, "normal")           \
+  X(MAXWELL, "maxwell")         \
+  X(MAXWELL4, "maxwell4")       \
+  X(RAYLEIGH, "rayleigh")       \
+  X(LINEAR, "linear")           \
   X(UNIFORM, "uniform")
 #define EM_DISTRIBUTION_ENUM(code, text) EM_DISTRIBUTION_##code,
 enum em_distribution { EM_DISTRIBUTION_LIST(EM_DISTRIBUTION_ENUM) EM_DISTRIBUTION_COUNT };

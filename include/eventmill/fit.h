@@ -10,7 +10,7 @@
 enum { EM_FIT_PARAMETERS = 8 };
 
 struct em_fit_model {
-  int parameters;                                           /* 1 … EM_FIT_PARAMETERS */
+  int parameters;                                               /* 1 … EM_FIT_PARAMETERS */
   double (*value)(double x, const double *p, const void *self); /* NAN: p is not allowed */
   const void *self;
 };

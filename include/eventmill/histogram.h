@@ -9,20 +9,21 @@
 
 struct em_histogram {
   size_t bins;
-  double *edge;  /* bins + 1, rising, owned; in the unit of the quantity */
-  double *count; /* bins, owned; weights are allowed */
-  double below;  /* weight that fell below edge[0] */
-  double above;  /* weight that fell on or above edge[bins] */
-  double total;  /* weight inside the edges */
-  double width;  /* of equal bins; 0 for others */
+  double *edge;           /* bins + 1, rising, owned; in the unit of the quantity */
+  double *count;          /* bins, owned; weights are allowed */
+  double below;           /* weight that fell below edge[0] */
+  double above;           /* weight that fell on or above edge[bins] */
+  double total;           /* weight inside the edges */
+  double width;           /* of equal bins; 0 for others */
   int per_octave, lowest; /* of bins per octave; 0 for others */
-  bool mirrored; /* bins per octave for both signs */
+  bool mirrored;          /* bins per octave for both signs */
 };
 
 /* Equal bins on [low, high). NULL: no memory, or an empty range. */
 struct em_histogram *em_histogram_new(size_t bins, double low, double high);
 
-/* Bins between bins + 1 rising edges, which are copied. NULL: no memory, or edges that do not rise. */
+/* Bins between bins + 1 rising edges, which are copied. NULL: no memory, or edges that do not rise.
+ */
 struct em_histogram *em_histogram_new_edges(size_t bins, const double *edge);
 
 /* per_octave equal bins in each octave [2^k, 2^(k+1)), k = lowest … lowest + octaves − 1; what is

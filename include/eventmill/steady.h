@@ -7,10 +7,10 @@
 #include <stddef.h>
 
 struct em_steady {
-  size_t start;   /* index of the first value to use */
-  bool found;     /* false: the cut that MSER would make lies beyond half the series */
-  double geweke;  /* z of the means of the first 10 % and last 50 % after `start`; NAN: too short */
-  double p;       /* its two-sided probability when the series is stationary */
+  size_t start;  /* index of the first value to use */
+  bool found;    /* false: the cut that MSER would make lies beyond half the series */
+  double geweke; /* z of the means of the first 10 % and last 50 % after `start`; NAN: too short */
+  double p;      /* its two-sided probability when the series is stationary */
 };
 
 /* How many leading values to leave out so that the standard error of the rest is least; values are

@@ -69,7 +69,8 @@ struct em_cells *em_cells_rings(double radius, double length, size_t least) {
   cells->slices = 1;
   cells->columns = columns;
   cells->count = cells->per_slice = tubes * columns;
-  for (size_t t = 0; t <= tubes; t++) cells->edge[t] = radius * (double)t / (double)tubes;
+  for (size_t t = 0; t <= tubes; t++)
+    cells->edge[t] = radius * (double)t / (double)tubes;
   for (size_t t = 0; t < tubes; t++) {
     cells->in_tube[t] = columns;
     cells->first[t] = t * columns;
@@ -98,8 +99,7 @@ static size_t part(double x, size_t n) {
 size_t em_cells_find(const struct em_cells *cells, double x, double y, double z) {
   const double r = hypot(x, z), slack = 1e-6;
   double u = y / cells->length;
-  if (!(r <= cells->radius * (1.0 + slack)) || !(fabs(u - 0.5) <= 0.5 + slack))
-    return cells->count;
+  if (!(r <= cells->radius * (1.0 + slack)) || !(fabs(u - 0.5) <= 0.5 + slack)) return cells->count;
   u = fmin(fmax(u, 0.0), 1.0);
   const size_t t = tube_of(cells, r);
   if (cells->kind == EM_CELLS_RINGS) return cells->first[t] + part(u, cells->columns);
@@ -112,7 +112,8 @@ size_t em_cells_find(const struct em_cells *cells, double x, double y, double z)
 void em_cells_bounds(const struct em_cells *cells, size_t k, double low[3], double high[3]) {
   const size_t slice = k / cells->per_slice, within = k % cells->per_slice;
   size_t t = 0;
-  while (!(within >= cells->first[t] && within < cells->first[t] + cells->in_tube[t])) t++;
+  while (!(within >= cells->first[t] && within < cells->first[t] + cells->in_tube[t]))
+    t++;
   const double place = (double)(within - cells->first[t]), n = (double)cells->in_tube[t];
   low[0] = cells->edge[t];
   high[0] = cells->edge[t + 1];

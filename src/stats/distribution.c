@@ -28,13 +28,19 @@ double em_distribution_pdf(enum em_distribution law, double a, double x) {
   if (law == EM_DISTRIBUTION_NORMAL) return bell / (a * sqrt(2.0 * M_PI));
   if (x < 0.0) return 0.0;
   switch (law) {
-    case EM_DISTRIBUTION_MAXWELL: return sqrt(2.0 / M_PI) * u * u * bell / a;
-    case EM_DISTRIBUTION_MAXWELL4: return 0.5 * u * u * u * bell / a;
-    case EM_DISTRIBUTION_RAYLEIGH: return u * bell / a;
-    case EM_DISTRIBUTION_LINEAR: return u <= 1.0 ? 2.0 * u / a : 0.0;
-    case EM_DISTRIBUTION_UNIFORM: return u <= 1.0 ? 1.0 / a : 0.0;
-    case EM_DISTRIBUTION_NORMAL:
-    case EM_DISTRIBUTION_COUNT: break;
+  case EM_DISTRIBUTION_MAXWELL:
+    return sqrt(2.0 / M_PI) * u * u * bell / a;
+  case EM_DISTRIBUTION_MAXWELL4:
+    return 0.5 * u * u * u * bell / a;
+  case EM_DISTRIBUTION_RAYLEIGH:
+    return u * bell / a;
+  case EM_DISTRIBUTION_LINEAR:
+    return u <= 1.0 ? 2.0 * u / a : 0.0;
+  case EM_DISTRIBUTION_UNIFORM:
+    return u <= 1.0 ? 1.0 / a : 0.0;
+  case EM_DISTRIBUTION_NORMAL:
+  case EM_DISTRIBUTION_COUNT:
+    break;
   }
   return NAN;
 }
@@ -44,13 +50,19 @@ double em_distribution_cdf(enum em_distribution law, double a, double x) {
   if (law == EM_DISTRIBUTION_NORMAL) return gsl_cdf_ugaussian_P(u);
   if (x <= 0.0) return 0.0;
   switch (law) {
-    case EM_DISTRIBUTION_MAXWELL: return erf(u * M_SQRT1_2) - u * sqrt(2.0 / M_PI) * exp(-s);
-    case EM_DISTRIBUTION_MAXWELL4: return -expm1(-s) - s * exp(-s);
-    case EM_DISTRIBUTION_RAYLEIGH: return -expm1(-s);
-    case EM_DISTRIBUTION_LINEAR: return fmin(u * u, 1.0);
-    case EM_DISTRIBUTION_UNIFORM: return fmin(u, 1.0);
-    case EM_DISTRIBUTION_NORMAL:
-    case EM_DISTRIBUTION_COUNT: break;
+  case EM_DISTRIBUTION_MAXWELL:
+    return erf(u * M_SQRT1_2) - u * sqrt(2.0 / M_PI) * exp(-s);
+  case EM_DISTRIBUTION_MAXWELL4:
+    return -expm1(-s) - s * exp(-s);
+  case EM_DISTRIBUTION_RAYLEIGH:
+    return -expm1(-s);
+  case EM_DISTRIBUTION_LINEAR:
+    return fmin(u * u, 1.0);
+  case EM_DISTRIBUTION_UNIFORM:
+    return fmin(u, 1.0);
+  case EM_DISTRIBUTION_NORMAL:
+  case EM_DISTRIBUTION_COUNT:
+    break;
   }
   return NAN;
 }

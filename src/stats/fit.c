@@ -17,7 +17,8 @@ struct table {
 static int residuals(const gsl_vector *p, void *self, gsl_vector *f) {
   const struct table *table = self;
   double q[EM_FIT_PARAMETERS];
-  for (int k = 0; k < table->model->parameters; k++) q[k] = gsl_vector_get(p, (size_t)k);
+  for (int k = 0; k < table->model->parameters; k++)
+    q[k] = gsl_vector_get(p, (size_t)k);
   for (size_t i = 0; i < table->n; i++) {
     const double value = table->model->value(table->x[i], q, table->model->self);
     if (!isfinite(value)) return GSL_EDOM;
@@ -83,7 +84,8 @@ enum em_status em_fit_curve(struct em_fit *fit, const struct em_fit_model *model
   fit->iterations = (int)gsl_multifit_nlinear_niter(work);
   /* No further progress at a point where the last steps were accepted is a minimum, too. */
   fit->converged = rc == GSL_SUCCESS || (rc == GSL_ENOPROG && fit->iterations > 1);
-  for (size_t k = 0; k < count; k++) fit->p[k] = gsl_vector_get(work->x, k);
+  for (size_t k = 0; k < count; k++)
+    fit->p[k] = gsl_vector_get(work->x, k);
   gsl_blas_ddot(work->f, work->f, &fit->residual);
   score(fit);
   errors(fit, work);

@@ -13,7 +13,8 @@ enum { TIED_SAMPLES = 1000, TIED_SIZE = 250, LEAST_EXPECTED = 5 };
 struct em_goodness em_goodness_chi2(const double *observed, const double *expected, size_t bins,
                                     int constraints) {
   double rest = 0.0;
-  for (size_t k = 0; k < bins; k++) rest += expected[k];
+  for (size_t k = 0; k < bins; k++)
+    rest += expected[k];
   double sum = 0.0, o = 0.0, e = 0.0;
   int cells = 0;
   for (size_t k = 0; k < bins; k++) {
@@ -37,7 +38,8 @@ enum em_status em_goodness_chi2_uniform(struct em_goodness *out, const double *u
   if (bins == 0) bins = (size_t)fmax(2.0, 2.0 * pow((double)n, 0.4));
   double *count = calloc(2 * bins, sizeof *count), *expected = count + bins;
   if (!count) return EM_MEMORY;
-  for (size_t k = 0; k < bins; k++) expected[k] = (double)n / (double)bins;
+  for (size_t k = 0; k < bins; k++)
+    expected[k] = (double)n / (double)bins;
   for (size_t i = 0; i < n; i++) {
     const double place = fmin(fmax(u[i], 0.0), 1.0) * (double)bins;
     const size_t k = (size_t)place;
@@ -58,7 +60,8 @@ double em_goodness_kolmogorov(double x) {
     }
     return fmin(1.0, 1.0 - sqrt(2.0 * M_PI) / x * sum);
   }
-  for (int k = 1; k <= 5; k++) sum += (k % 2 ? 2.0 : -2.0) * exp(-2.0 * k * k * x * x);
+  for (int k = 1; k <= 5; k++)
+    sum += (k % 2 ? 2.0 : -2.0) * exp(-2.0 * k * k * x * x);
   return fmin(1.0, fmax(0.0, sum));
 }
 
@@ -93,7 +96,8 @@ static double draw_tied(gsl_rng *rng, enum em_distribution law, double *x, size_
     sum += x[i] * x[i];
   }
   const double a = sqrt(sum / ((double)size * k));
-  for (size_t i = 0; i < size; i++) x[i] = em_distribution_cdf(law, a, x[i]);
+  for (size_t i = 0; i < size; i++)
+    x[i] = em_distribution_cdf(law, a, x[i]);
   gsl_sort(x, 1, size);
   return stretched(distance(x, size), (double)size);
 }
@@ -102,7 +106,8 @@ static double draw_tied(gsl_rng *rng, enum em_distribution law, double *x, size_
  * as the tail of √n D does, through the samples' last 20 % and 2 %. */
 static double sampled_tail(const double *sorted, size_t n, double x) {
   size_t larger = 0;
-  while (larger < n && sorted[n - 1 - larger] >= x) larger++;
+  while (larger < n && sorted[n - 1 - larger] >= x)
+    larger++;
   if (larger >= n / 50) return ((double)larger + 0.5) / ((double)n + 1.0);
   const double a = sorted[n - n / 5], b = sorted[n - n / 50];
   return 0.02 * exp(-log(10.0) * (x * x - b * b) / (b * b - a * a));
@@ -120,7 +125,8 @@ enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution
   if (status == EM_OK) {
     double *drawn = x + size;
     gsl_rng_set(rng, 20051);
-    for (int s = 0; s < TIED_SAMPLES; s++) drawn[s] = draw_tied(rng, law, x, size);
+    for (int s = 0; s < TIED_SAMPLES; s++)
+      drawn[s] = draw_tied(rng, law, x, size);
     gsl_sort(drawn, 1, TIED_SAMPLES);
     out->p = sampled_tail(drawn, TIED_SAMPLES, stretched(out->statistic, (double)n));
   }
@@ -136,8 +142,10 @@ struct em_goodness em_goodness_ks_two(double *a, size_t n, double *b, size_t m) 
   double d = 0.0;
   for (size_t i = 0, j = 0; i < n && j < m;) {
     const double x = fmin(a[i], b[j]);
-    while (i < n && a[i] <= x) i++;
-    while (j < m && b[j] <= x) j++;
+    while (i < n && a[i] <= x)
+      i++;
+    while (j < m && b[j] <= x)
+      j++;
     d = fmax(d, fabs((double)i / (double)n - (double)j / (double)m));
   }
   const double size = (double)n * (double)m / (double)(n + m);

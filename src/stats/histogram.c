@@ -22,7 +22,8 @@ struct em_histogram *em_histogram_new(size_t bins, double low, double high) {
   struct em_histogram *h = allocate(bins);
   if (!h) return NULL;
   h->width = (high - low) / (double)bins;
-  for (size_t k = 0; k < bins; k++) h->edge[k] = low + (high - low) * ((double)k / (double)bins);
+  for (size_t k = 0; k < bins; k++)
+    h->edge[k] = low + (high - low) * ((double)k / (double)bins);
   h->edge[bins] = high;
   return h;
 }
@@ -115,8 +116,10 @@ ptrdiff_t em_histogram_find(const struct em_histogram *h, double x) {
   if (!(h->width > 0.0)) return find_edge(h, x);
   ptrdiff_t k = (ptrdiff_t)((x - h->edge[0]) / h->width);
   if (k > bins - 1) k = bins - 1;
-  while (x < h->edge[k]) k--; /* rounding: the edges decide */
-  while (x >= h->edge[k + 1]) k++;
+  while (x < h->edge[k])
+    k--; /* rounding: the edges decide */
+  while (x >= h->edge[k + 1])
+    k++;
   return k;
 }
 
@@ -134,7 +137,8 @@ void em_histogram_add(struct em_histogram *h, double x, double weight) {
 }
 
 void em_histogram_merge(struct em_histogram *h, const struct em_histogram *other, double weight) {
-  for (size_t k = 0; k < h->bins; k++) h->count[k] += weight * other->count[k];
+  for (size_t k = 0; k < h->bins; k++)
+    h->count[k] += weight * other->count[k];
   h->below += weight * other->below;
   h->above += weight * other->above;
   h->total += weight * other->total;
@@ -155,7 +159,8 @@ double em_histogram_share(const struct em_histogram *h, double x) {
   const ptrdiff_t bin = em_histogram_find(h, x);
   if (bin < 0) return 0.0;
   double sum = h->below;
-  for (ptrdiff_t k = 0; k < bin; k++) sum += h->count[k];
+  for (ptrdiff_t k = 0; k < bin; k++)
+    sum += h->count[k];
   if (bin < (ptrdiff_t)h->bins)
     sum += h->count[bin] * (x - h->edge[bin]) / (h->edge[bin + 1] - h->edge[bin]);
   return sum / all;
@@ -181,7 +186,8 @@ double em_histogram_quantile(const struct em_histogram *h, double p) {
 double em_histogram_mean(const struct em_histogram *h) {
   if (!(h->total > 0.0)) return NAN;
   double sum = 0.0;
-  for (size_t k = 0; k < h->bins; k++) sum += h->count[k] * 0.5 * (h->edge[k] + h->edge[k + 1]);
+  for (size_t k = 0; k < h->bins; k++)
+    sum += h->count[k] * 0.5 * (h->edge[k] + h->edge[k + 1]);
   return sum / h->total;
 }
 

@@ -15,14 +15,16 @@ double em_interval_student(double level, double freedom) {
 
 static double mean_of(const double *x, size_t n) {
   double sum = 0.0;
-  for (size_t i = 0; i < n; i++) sum += x[i];
+  for (size_t i = 0; i < n; i++)
+    sum += x[i];
   return sum / (double)n;
 }
 
 /* Σ (x_i − m)(x_{i+lag} − m) / n */
 static double covariance(const double *x, size_t n, double mean, size_t lag) {
   double sum = 0.0;
-  for (size_t i = 0; i + lag < n; i++) sum += (x[i] - mean) * (x[i + lag] - mean);
+  for (size_t i = 0; i + lag < n; i++)
+    sum += (x[i] - mean) * (x[i + lag] - mean);
   return sum / (double)n;
 }
 
@@ -76,7 +78,8 @@ struct em_interval em_interval_series(const double *x, size_t n, double level) {
   struct stage stage[LEVELS] = {look(y, n)};
   size_t stages = 1;
   for (size_t m = n / 2; m >= 4 && stages < LEVELS; m /= 2) {
-    for (size_t i = 0; i < m; i++) y[i] = 0.5 * (y[2 * i] + y[2 * i + 1]);
+    for (size_t i = 0; i < m; i++)
+      y[i] = 0.5 * (y[2 * i] + y[2 * i + 1]);
     stage[stages++] = look(y, m);
   }
   free(y);

@@ -9,14 +9,10 @@ static enum em_status read_all(struct em_balance *b, const struct em_run_file *r
   const struct {
     const char *name;
     struct em_trace *trace;
-  } list[] = {{"blade_work", &b->work},
-              {"blade_angular_impulse", &b->impulse},
-              {"drum_work", &b->drum},
-              {"dissipated_energy", &b->lost},
-              {"collision_energy", &b->impact},
-              {"kinetic_energy", &b->kinetic},
-              {"spin_energy", &b->spin},
-              {"potential_energy", &b->potential}};
+  } list[] = {{"blade_work", &b->work},         {"blade_angular_impulse", &b->impulse},
+              {"drum_work", &b->drum},          {"dissipated_energy", &b->lost},
+              {"collision_energy", &b->impact}, {"kinetic_energy", &b->kinetic},
+              {"spin_energy", &b->spin},        {"potential_energy", &b->potential}};
   for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
     const enum em_status status = em_trace_read(list[k].trace, run, list[k].name, window, err);
     if (status != EM_OK) return status;
@@ -50,9 +46,10 @@ enum em_status em_balance_new(struct em_balance *balance, const struct em_run_fi
 }
 
 void em_balance_free(struct em_balance *b) {
-  struct em_trace *const list[] = {&b->work, &b->impulse, &b->drum, &b->lost,
+  struct em_trace *const list[] = {&b->work,   &b->impulse, &b->drum, &b->lost,
                                    &b->impact, &b->kinetic, &b->spin, &b->potential};
-  for (size_t k = 0; k < sizeof list / sizeof *list; k++) em_trace_free(list[k]);
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++)
+    em_trace_free(list[k]);
   free(b->omega);
   memset(b, 0, sizeof *b);
 }
@@ -80,7 +77,8 @@ static double by_torque(const struct em_balance *b, size_t from, size_t to) {
 
 static double stored(const struct em_balance *b, size_t from, size_t to) {
   return (growth(&b->kinetic, from, to) + growth(&b->spin, from, to) +
-          growth(&b->potential, from, to)) / step(b, from, to);
+          growth(&b->potential, from, to)) /
+         step(b, from, to);
 }
 
 static double dissipated(const struct em_balance *b, size_t from, size_t to) {

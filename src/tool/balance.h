@@ -1,29 +1,31 @@
-/* The energy balance of a run: what blades and drum put in, what is stored, what contacts dissipate. */
+/* The energy balance of a run: what blades and drum put in, what is stored, what contacts
+ * dissipate. */
 #ifndef EVENTMILL_BALANCE_H
 #define EVENTMILL_BALANCE_H
 
 #include "eventmill/contact.h"
 #include "eventmill/interval.h"
-#include "tool/window.h"
 #include "tool/trace.h"
+#include "tool/window.h"
 
 struct em_balance {
-  double time;                         /* s between the first and the last sample */
-  struct em_trace work, impulse, drum; /* per blade: J, N m s; drum: J */
-  struct em_trace lost, impact;        /* per class: J dissipated, J of Σ ½ m_eff v_n² */
+  double time;                              /* s between the first and the last sample */
+  struct em_trace work, impulse, drum;      /* per blade: J, N m s; drum: J */
+  struct em_trace lost, impact;             /* per class: J dissipated, J of Σ ½ m_eff v_n² */
   struct em_trace kinetic, spin, potential; /* J */
-  double *omega;                       /* rad/s per blade */
+  double *omega;                            /* rad/s per blade */
   size_t blades;
 };
 
-/* Reads the observables of the window. Errors: EM_INPUT (fewer than 2 samples), EM_MEMORY, and those
- * of reading. */
+/* Reads the observables of the window. Errors: EM_INPUT (fewer than 2 samples), EM_MEMORY, and
+ * those of reading. */
 enum em_status em_balance_new(struct em_balance *balance, const struct em_run_file *run,
                               const struct em_window *window, struct em_error *err);
 void em_balance_free(struct em_balance *balance);
 
 /* Mean power (W) of the blades over the window, in three ways that must agree: work done in the
- * contacts; torque times speed, Σ ω ΔL/Δt; energy balance, (ΔE + dissipated − work of the drum)/Δt. */
+ * contacts; torque times speed, Σ ω ΔL/Δt; energy balance, (ΔE + dissipated − work of the drum)/Δt.
+ */
 double em_balance_by_work(const struct em_balance *balance);
 double em_balance_by_torque(const struct em_balance *balance);
 double em_balance_by_energy(const struct em_balance *balance);

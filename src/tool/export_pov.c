@@ -102,7 +102,8 @@ static double top_speed(const struct em_scene *scene, const struct em_balls *bal
     }
   if (top > 0.0) return top;
   double *speed = malloc((balls->count + 1) * sizeof *speed);
-  for (size_t i = 0; speed && i < balls->count; i++) speed[i] = em_vec_norm(balls->velocity[i]);
+  for (size_t i = 0; speed && i < balls->count; i++)
+    speed[i] = em_vec_norm(balls->velocity[i]);
   if (speed && balls->count > 0) {
     em_sample_describe(speed, balls->count);
     top = em_sample_quantile(speed, balls->count, 0.99);
@@ -123,7 +124,8 @@ static void write_scene(FILE *out, const struct em_scene *scene, const struct em
   for (size_t r = 0; r < scene->rotor_count; r++)
     for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
       blade(out, &scene->rotor[r].blade[k], time);
-  for (size_t i = 0; i < balls->count; i++) ball(out, balls, i, &map, top);
+  for (size_t i = 0; i < balls->count; i++)
+    ball(out, balls, i, &map, top);
 }
 
 enum em_status em_export_pov_write(const struct em_export *job, struct em_error *err) {

@@ -47,8 +47,8 @@ static void quad(struct mesh *mesh, struct em_vec a, struct em_vec b, struct em_
 }
 
 /* A body of revolution about `axis` through `origin`: ring k lies at distance along[k] with radius
- * around[k]; u and v are unit vectors with u × v = axis. Normals point away from the axis for rising
- * `along`, towards it for falling. */
+ * around[k]; u and v are unit vectors with u × v = axis. Normals point away from the axis for
+ * rising `along`, towards it for falling. */
 static void revolve(struct mesh *mesh, struct em_vec origin, struct em_vec axis, struct em_vec u,
                     struct em_vec v, const double *along, const double *around, int rings) {
   for (int k = 0; k + 1 < rings; k++)
@@ -81,17 +81,15 @@ static void box(struct mesh *mesh, const struct em_chamber *c) {
   static const int face[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1},
                                  {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
   for (int f = 0; f < 6; f++)
-    if (!c->periodic[f / 2])
-      quad(mesh, p[face[f][0]], p[face[f][1]], p[face[f][2]], p[face[f][3]]);
+    if (!c->periodic[f / 2]) quad(mesh, p[face[f][0]], p[face[f][1]], p[face[f][2]], p[face[f][3]]);
 }
 
 /* The bar from end to end, its tips flat or rounded; normals point into the room. */
 static void blade(struct mesh *mesh, const struct em_blade *b, double time) {
   enum { CAP = 12 };
   const double angle = b->angle + b->omega * time, r = b->radius;
-  const struct em_vec bar =
-      em_vec_add(em_vec_scale(cos(angle), b->e1),
-                 em_vec_scale(sin(angle), em_vec_cross(b->axis, b->e1)));
+  const struct em_vec bar = em_vec_add(em_vec_scale(cos(angle), b->e1),
+                                       em_vec_scale(sin(angle), em_vec_cross(b->axis, b->e1)));
   const struct em_vec u = b->axis, v = em_vec_cross(bar, b->axis); /* u × v = bar */
   double along[2 * CAP + 2], around[2 * CAP + 2];
   const double straight = b->tip == EM_TIP_HEMISPHERE ? b->reach - r : b->reach;

@@ -10,7 +10,8 @@ static void lammps_header(FILE *out, const struct em_export *job, size_t frame, 
   const bool box = scene->chamber.shape == EM_SHAPE_BOX;
   struct em_vec low, high;
   em_scene_bounds(scene, &low, &high);
-  fprintf(out, "ITEM: UNITS\nsi\nITEM: TIME\n%.17g\nITEM: TIMESTEP\n%zu\nITEM: NUMBER OF ATOMS\n%zu\n",
+  fprintf(out,
+          "ITEM: UNITS\nsi\nITEM: TIME\n%.17g\nITEM: TIMESTEP\n%zu\nITEM: NUMBER OF ATOMS\n%zu\n",
           em_run_file_frame_time(job->run, frame), frame, count);
   fprintf(out, "ITEM: BOX BOUNDS");
   for (int d = 0; d < 3; d++)
@@ -44,8 +45,10 @@ static enum em_status write_frames(FILE *out, const struct em_export *job, bool 
   struct em_balls *balls = NULL;
   enum em_status status = em_run_file_balls(job->run, &balls, err);
   if (!lammps)
-    fprintf(out, "time [s],ball,species,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],radius [m],"
-                 "mass [kg]%s\n", spin ? ",spin_x [rad/s],spin_y [rad/s],spin_z [rad/s]" : "");
+    fprintf(out,
+            "time [s],ball,species,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],radius [m],"
+            "mass [kg]%s\n",
+            spin ? ",spin_x [rad/s],spin_y [rad/s],spin_z [rad/s]" : "");
   for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
     status = em_run_file_frame(job->run, job->frame[k], balls, err);
     if (status != EM_OK) break;

@@ -10,27 +10,33 @@ struct array {
   int components;
 };
 
-static const struct array arrays[] = {{"position", 3}, {"velocity", 3}, {"speed", 1},
-                                      {"spin", 3},     {"radius", 1},   {"mass", 1},
-                                      {"species", 1},  {"id", 1}};
+static const struct array arrays[] = {{"position", 3}, {"velocity", 3}, {"speed", 1},   {"spin", 3},
+                                      {"radius", 1},   {"mass", 1},     {"species", 1}, {"id", 1}};
 
 enum { ARRAYS = sizeof arrays / sizeof *arrays };
 
 static double value_of(const struct em_balls *b, int array, size_t i, int component) {
   const struct em_vec *vec = array == 0 ? b->position : array == 1 ? b->velocity : b->spin;
   switch (array) {
-    case 2: return em_vec_norm(b->velocity[i]);
-    case 4: return b->radius[i];
-    case 5: return b->mass[i];
-    case 6: return b->species[i];
-    case 7: return (double)i;
-    default: return component == 0 ? vec[i].x : component == 1 ? vec[i].y : vec[i].z;
+  case 2:
+    return em_vec_norm(b->velocity[i]);
+  case 4:
+    return b->radius[i];
+  case 5:
+    return b->mass[i];
+  case 6:
+    return b->species[i];
+  case 7:
+    return (double)i;
+  default:
+    return component == 0 ? vec[i].x : component == 1 ? vec[i].y : vec[i].z;
   }
 }
 
 static void declare(FILE *out, int array, size_t offset) {
-  fprintf(out, "<DataArray type=\"Float32\" Name=\"%s\" NumberOfComponents=\"%d\" "
-               "format=\"appended\" offset=\"%zu\"/>\n",
+  fprintf(out,
+          "<DataArray type=\"Float32\" Name=\"%s\" NumberOfComponents=\"%d\" "
+          "format=\"appended\" offset=\"%zu\"/>\n",
           arrays[array].name, arrays[array].components, offset);
 }
 
@@ -49,11 +55,15 @@ static void header(FILE *out, size_t count, double time) {
     if (a == 0) fprintf(out, "</Points>\n<PointData Scalars=\"speed\" Vectors=\"velocity\">\n");
     offset += 8 + count * (size_t)arrays[a].components * 4;
   }
-  fprintf(out, "</PointData>\n<Verts>\n<DataArray type=\"Int64\" Name=\"connectivity\" "
-               "format=\"appended\" offset=\"%zu\"/>\n", offset);
+  fprintf(out,
+          "</PointData>\n<Verts>\n<DataArray type=\"Int64\" Name=\"connectivity\" "
+          "format=\"appended\" offset=\"%zu\"/>\n",
+          offset);
   offset += 8 + count * 8;
-  fprintf(out, "<DataArray type=\"Int64\" Name=\"offsets\" format=\"appended\" offset=\"%zu\"/>\n"
-               "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_", offset);
+  fprintf(out,
+          "<DataArray type=\"Int64\" Name=\"offsets\" format=\"appended\" offset=\"%zu\"/>\n"
+          "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_",
+          offset);
 }
 
 static void put64(FILE *out, uint64_t x) {
@@ -75,12 +85,15 @@ static void write_piece(FILE *out, const struct em_balls *balls, double time) {
   for (int a = 0; a < ARRAYS; a++) {
     put64(out, n * (size_t)arrays[a].components * 4);
     for (size_t i = 0; i < n; i++)
-      for (int c = 0; c < arrays[a].components; c++) put_float(out, value_of(balls, a, i, c));
+      for (int c = 0; c < arrays[a].components; c++)
+        put_float(out, value_of(balls, a, i, c));
   }
   put64(out, n * 8);
-  for (size_t i = 0; i < n; i++) put64(out, i);
+  for (size_t i = 0; i < n; i++)
+    put64(out, i);
   put64(out, n * 8);
-  for (size_t i = 0; i < n; i++) put64(out, i + 1);
+  for (size_t i = 0; i < n; i++)
+    put64(out, i + 1);
   fprintf(out, "\n</AppendedData>\n</VTKFile>\n");
 }
 

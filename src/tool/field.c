@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NAME(code, name, symbol, unit) name,
+#define NAME(code, name, symbol, unit)   name,
 #define SYMBOL(code, name, symbol, unit) symbol,
-#define UNIT(code, name, symbol, unit) unit,
+#define UNIT(code, name, symbol, unit)   unit,
 static const char *const names[] = {EM_FIELD_LIST(NAME)};
 static const char *const symbols[] = {EM_FIELD_LIST(SYMBOL)};
 static const char *const units[] = {EM_FIELD_LIST(UNIT)};
@@ -60,11 +60,13 @@ static void add(struct em_field *field, size_t group, struct em_vec place, doubl
 static enum em_status from_frames(struct em_field *field, const struct em_run_file *run,
                                   const struct em_window *window, struct em_error *err) {
   size_t first = 0, end = em_run_file_frame_count(run);
-  while (first < end && em_run_file_frame_time(run, first) < window->from) first++;
-  while (end > first && em_run_file_frame_time(run, end - 1) > window->to) end--;
+  while (first < end && em_run_file_frame_time(run, first) < window->from)
+    first++;
+  while (end > first && em_run_file_frame_time(run, end - 1) > window->to)
+    end--;
   if (first == end)
-    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
-                        "no frame between %g s and %g s", window->from, window->to);
+    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0, "no frame between %g s and %g s",
+                        window->from, window->to);
   const size_t frames = end - first;
   field->groups = frames < EM_FIELD_GROUPS ? frames : EM_FIELD_GROUPS;
   struct em_balls *balls = NULL;
@@ -129,7 +131,8 @@ static enum em_status from_rows(struct em_field *field, const struct em_run_file
   if (field->of == EM_FIELD_LOST) columns |= EM_COLUMN_LOST;
   field->groups = EM_FIELD_GROUPS;
   field->group_time = (window->to - window->from) / EM_FIELD_GROUPS;
-  for (size_t g = 0; g < field->groups; g++) field->weight[g] = field->group_time;
+  for (size_t g = 0; g < field->groups; g++)
+    field->weight[g] = field->group_time;
   struct em_rows *rows = em_run_file_rows_new(columns);
   struct em_balls *balls = NULL;
   enum em_status status = rows ? em_run_file_balls(run, &balls, err)
@@ -181,7 +184,8 @@ enum em_status em_field_new(struct em_field **out, const struct em_run_file *run
 
 double em_field_values(const struct em_field *field, size_t cell) {
   double sum = 0.0;
-  for (size_t g = 0; g < field->groups; g++) sum += field->n[g * field->cells->count + cell];
+  for (size_t g = 0; g < field->groups; g++)
+    sum += field->n[g * field->cells->count + cell];
   return sum;
 }
 
@@ -211,7 +215,8 @@ struct em_interval em_field_value(const struct em_field *field, size_t first, si
   const bool mean = em_field_is_mean(field->of);
   const bool counts = field->of == EM_FIELD_COUNT || field->of == EM_FIELD_HITS;
   double volume = 0.0, a[EM_FIELD_GROUPS] = {0.0}, b[EM_FIELD_GROUPS] = {0.0};
-  for (size_t k = first; k < end; k++) volume += 1e6 * em_cells_volume(field->cells, k); /* cm³ */
+  for (size_t k = first; k < end; k++)
+    volume += 1e6 * em_cells_volume(field->cells, k); /* cm³ */
   for (size_t g = 0; g < field->groups; g++) {
     if (!mean) b[g] = field->weight[g] * volume;
     for (size_t k = first; k < end; k++) {
@@ -226,7 +231,8 @@ struct em_interval em_field_value(const struct em_field *field, size_t first, si
 double em_field_spread(const struct em_field *field, size_t cell) {
   const double n = em_field_values(field, cell);
   double sum = 0.0;
-  for (size_t g = 0; g < field->groups; g++) sum += field->sum[g * field->cells->count + cell];
+  for (size_t g = 0; g < field->groups; g++)
+    sum += field->sum[g * field->cells->count + cell];
   if (n < 2.0 || !(sum > 0.0)) return NAN;
   const double mean = sum / n;
   return sqrt(fmax(0.0, field->square[cell] - n * mean * mean) / (n - 1.0)) / mean;

@@ -10,31 +10,33 @@
 #include "tool/window.h"
 
 /* code, name, symbol, unit of the mapped value */
-#define EM_FIELD_LIST(X)                                                       \
-  X(COUNT, "count", "balls per volume", "1/cm³")                               \
-  X(HITS, "hits", "collisions per volume and time", "1/(cm³ s)")               \
-  X(SPEED, "speed", "mean speed of the balls", "m/s")                          \
-  X(VN, "vn", "mean normal collision speed", "m/s")                            \
-  X(ENERGY, "energy", "Σ ½ m_eff v_n² per volume and time", "W/cm³")           \
+#define EM_FIELD_LIST(X)                                             \
+  X(COUNT, "count", "balls per volume", "1/cm³")                     \
+  X(HITS, "hits", "collisions per volume and time", "1/(cm³ s)")     \
+  X(SPEED, "speed", "mean speed of the balls", "m/s")                \
+  X(VN, "vn", "mean normal collision speed", "m/s")                  \
+  X(ENERGY, "energy", "Σ ½ m_eff v_n² per volume and time", "W/cm³") \
   X(LOST, "lost", "dissipated per volume and time", "W/cm³")
 #define EM_FIELD_ENUM(code, name, symbol, unit) EM_FIELD_##code,
 enum em_field_of { EM_FIELD_LIST(EM_FIELD_ENUM) EM_FIELD_COUNT_OF };
 #undef EM_FIELD_ENUM
 
-enum { EM_FIELD_GROUPS = 16 }; /* successive stretches of time, for errors that respect correlation */
+enum {
+  EM_FIELD_GROUPS = 16
+}; /* successive stretches of time, for errors that respect correlation */
 
 struct em_field {
   enum em_field_of of;
   struct em_cells *cells;
-  double group_time; /* s of each group; for frames: frames of each, as doubles */
-  size_t groups;     /* in use */
+  double group_time;              /* s of each group; for frames: frames of each, as doubles */
+  size_t groups;                  /* in use */
   double weight[EM_FIELD_GROUPS]; /* frames, or s */
-  double *n, *sum;   /* [groups * cells], values and their sum */
-  double *square;    /* [cells], sum of their squares */
-  double total;      /* values in all cells */
-  double outside;    /* values in no cell */
-  double rim;        /* share of ball centres in the outer 7.84 % (1 of 25 tubes) of the area that
-                        centres reach; NAN for collisions */
+  double *n, *sum;                /* [groups * cells], values and their sum */
+  double *square;                 /* [cells], sum of their squares */
+  double total;                   /* values in all cells */
+  double outside;                 /* values in no cell */
+  double rim; /* share of ball centres in the outer 7.84 % (1 of 25 tubes) of the area that
+                 centres reach; NAN for collisions */
 };
 
 int em_field_find(const char *name); /* -1: no such quantity */

@@ -6,9 +6,9 @@
 #include "tool/gather.h"
 #include "tool/trace.h"
 
-#define KEY(code, key, words, unit) key,
+#define KEY(code, key, words, unit)   key,
 #define WORDS(code, key, words, unit) words,
-#define UNIT(code, key, words, unit) unit,
+#define UNIT(code, key, words, unit)  unit,
 static const char *const keys[] = {EM_FIGURES_LIST(KEY)};
 static const char *const all_words[] = {EM_FIGURES_LIST(WORDS)};
 static const char *const units[] = {EM_FIGURES_LIST(UNIT)};

@@ -8,22 +8,22 @@
 #include "tool/window.h"
 
 /* code, key, words, unit */
-#define EM_FIGURES_LIST(X)                                                     \
-  X(MEDIAN_SPEED, "median_speed", "median speed of the balls", "m/s")          \
-  X(MEAN_SPEED, "mean_speed", "mean speed of the balls", "m/s")                \
-  X(RATE, "collision_rate", "collisions", "1/s")                               \
-  X(RATE_BALL, "rate_ball_ball", "  ball-ball", "1/s")                         \
-  X(RATE_DRUM, "rate_ball_drum", "  ball-drum", "1/s")                         \
-  X(RATE_END, "rate_ball_end", "  ball-end", "1/s")                            \
-  X(RATE_BLADE, "rate_ball_blade", "  ball-blade", "1/s")                      \
-  X(MODE_VN, "mode_vn", "mode of v_n", "m/s")                                  \
-  X(MEDIAN_VN, "median_vn", "median of v_n", "m/s")                            \
-  X(MEDIAN_VN_BALL, "median_vn_ball_ball", "  ball-ball", "m/s")               \
-  X(Q75_VN, "q75_vn", "3rd quartile of v_n", "m/s")                            \
-  X(SHARE_ABOVE, "share_above", "share above the threshold", "")               \
-  X(RATE_ABOVE, "rate_above", "rate above the threshold", "1/s")               \
-  X(POWER, "power", "power of the blades", "W")                                \
-  X(DISSIPATED, "dissipated", "dissipated", "W")                               \
+#define EM_FIGURES_LIST(X)                                            \
+  X(MEDIAN_SPEED, "median_speed", "median speed of the balls", "m/s") \
+  X(MEAN_SPEED, "mean_speed", "mean speed of the balls", "m/s")       \
+  X(RATE, "collision_rate", "collisions", "1/s")                      \
+  X(RATE_BALL, "rate_ball_ball", "  ball-ball", "1/s")                \
+  X(RATE_DRUM, "rate_ball_drum", "  ball-drum", "1/s")                \
+  X(RATE_END, "rate_ball_end", "  ball-end", "1/s")                   \
+  X(RATE_BLADE, "rate_ball_blade", "  ball-blade", "1/s")             \
+  X(MODE_VN, "mode_vn", "mode of v_n", "m/s")                         \
+  X(MEDIAN_VN, "median_vn", "median of v_n", "m/s")                   \
+  X(MEDIAN_VN_BALL, "median_vn_ball_ball", "  ball-ball", "m/s")      \
+  X(Q75_VN, "q75_vn", "3rd quartile of v_n", "m/s")                   \
+  X(SHARE_ABOVE, "share_above", "share above the threshold", "")      \
+  X(RATE_ABOVE, "rate_above", "rate above the threshold", "1/s")      \
+  X(POWER, "power", "power of the blades", "W")                       \
+  X(DISSIPATED, "dissipated", "dissipated", "W")                      \
   X(IMPACT, "impact", "Σ ½ m_eff v_n²", "W")
 #define EM_FIGURES_ENUM(code, key, words, unit) EM_FIGURES_##code,
 enum em_figures_kind { EM_FIGURES_LIST(EM_FIGURES_ENUM) EM_FIGURES_COUNT };

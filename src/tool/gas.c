@@ -16,10 +16,10 @@ static const double LAYERS = 3.0;
 
 enum { MOST_VALUES = 1000000 };
 
-#define KEY(code, key, words, law, tie) key,
+#define KEY(code, key, words, law, tie)   key,
 #define WORDS(code, key, words, law, tie) words,
-#define LAW(code, key, words, law, tie) EM_DISTRIBUTION_##law,
-#define TIE(code, key, words, law, tie) tie,
+#define LAW(code, key, words, law, tie)   EM_DISTRIBUTION_##law,
+#define TIE(code, key, words, law, tie)   tie,
 static const char *const keys[] = {EM_GAS_LIST(KEY)};
 static const char *const all_words[] = {EM_GAS_LIST(WORDS)};
 static const enum em_distribution laws[] = {EM_GAS_LIST(LAW)};
@@ -43,9 +43,11 @@ enum em_gas_tie em_gas_tie(enum em_gas_quantity q) {
 
 void em_gas_free(struct em_gas *gas) {
   if (!gas) return;
-  for (int q = 0; q < EM_GAS_COUNT; q++) free(gas->x[q]);
+  for (int q = 0; q < EM_GAS_COUNT; q++)
+    free(gas->x[q]);
   for (int w = 0; w < 3; w++)
-    for (int m = 0; m < EM_GAS_MODES; m++) free(gas->waves[w].series[m]);
+    for (int m = 0; m < EM_GAS_MODES; m++)
+      free(gas->waves[w].series[m]);
   free(gas);
 }
 
@@ -265,8 +267,8 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
     gas->frames++;
   }
   if (status == EM_OK && gas->frames == 0)
-    status = em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
-                          "no frame between %g s and %g s", from, to);
+    status = em_error_set(err, EM_INPUT, em_run_file_path(run), 0, "no frame between %g s and %g s",
+                          from, to);
   gas->mass = status == EM_OK ? balls->mass[0] : NAN;
   for (size_t i = 1; status == EM_OK && i < balls->count; i++)
     if (balls->mass[i] != balls->mass[0]) gas->mass = NAN;
@@ -281,17 +283,20 @@ static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
   double sum = 0.0;
   for (int d = 0; d < 3; d++) {
     gas->square[d] = 0.0;
-    for (size_t i = 0; i < n; i++) gas->square[d] += gas->x[EM_GAS_VX + d][i] * gas->x[EM_GAS_VX + d][i];
+    for (size_t i = 0; i < n; i++)
+      gas->square[d] += gas->x[EM_GAS_VX + d][i] * gas->x[EM_GAS_VX + d][i];
     sum += gas->square[d];
   }
   /* Without its centre of mass, the gas has (N−1)/N of its degrees of freedom. */
   gas->kt_frames = sum / (3.0 * (double)n * (1.0 - lost));
   if (em_vec_norm(scene->gravity) > 0.0) gas->kt = gas->kt_frames;
   const double unit = sqrt(gas->kt * (1.0 - lost));
-  for (size_t i = 0; i < n; i++) gas->x[EM_GAS_SPEED][i] /= unit;
+  for (size_t i = 0; i < n; i++)
+    gas->x[EM_GAS_SPEED][i] /= unit;
   for (int d = 0; d < 3; d++) {
     const double own = sqrt(gas->square[d] / (double)n);
-    for (size_t i = 0; i < n; i++) gas->x[EM_GAS_VX + d][i] /= own;
+    for (size_t i = 0; i < n; i++)
+      gas->x[EM_GAS_VX + d][i] /= own;
     gas->square[d] /= gas->kt;
   }
   gas->sigma = sqrt(gas->kt / gas->mass);
@@ -345,8 +350,8 @@ static void take_wall(struct sampler *s, const struct em_rows *rows, size_t k) {
   if (y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, s->most, y);
 }
 
-/* The windows lie where the count of collisions per ball, less that at the begin, modulo `period`, is
- * below WITHIN. */
+/* The windows lie where the count of collisions per ball, less that at the begin, modulo `period`,
+ * is below WITHIN. */
 static enum em_status from_rows(struct sampler *s, const struct em_run_file *run,
                                 const struct pace *pace, double from, double to,
                                 struct em_error *err) {
@@ -383,7 +388,8 @@ static enum em_status from_rows(struct sampler *s, const struct em_run_file *run
 
 static double largest_diameter(const struct em_scene *scene) {
   double d = 0.0;
-  for (size_t k = 0; k < scene->species_count; k++) d = fmax(d, scene->species[k].diameter);
+  for (size_t k = 0; k < scene->species_count; k++)
+    d = fmax(d, scene->species[k].diameter);
   return d;
 }
 
@@ -412,8 +418,8 @@ static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
   return status;
 }
 
-enum em_status em_gas_new(struct em_gas **out, const struct em_run_file *run, double from, double to,
-                          struct em_error *err) {
+enum em_status em_gas_new(struct em_gas **out, const struct em_run_file *run, double from,
+                          double to, struct em_error *err) {
   *out = NULL;
   struct em_gas *gas = calloc(1, sizeof *gas);
   struct pace pace = {.per_ball = 0.0};

@@ -1,8 +1,8 @@
 /* What an ideal gas promises, sampled from a run so that the values are independent of one another.
  *
- * Velocities come from frames that lie so many ball-ball collisions apart that the gas has forgotten
- * the one before; collisions from short windows of time, in which few balls collide twice, equally
- * far apart. Both begin when the start is forgotten. */
+ * Velocities come from frames that lie so many ball-ball collisions apart that the gas has
+ * forgotten the one before; collisions from short windows of time, in which few balls collide
+ * twice, equally far apart. Both begin when the start is forgotten. */
 #ifndef EVENTMILL_GAS_H
 #define EVENTMILL_GAS_H
 
@@ -18,20 +18,20 @@
 enum em_gas_tie { EM_GAS_FREE, EM_GAS_ENERGY, EM_GAS_FITTED };
 
 /* code, key, words, law, tie */
-#define EM_GAS_LIST(X)                                                                             \
-  X(SPEED, "speed", "speed of the balls", MAXWELL, EM_GAS_ENERGY)                                  \
-  X(VX, "vx", "velocity, x", NORMAL, EM_GAS_FITTED)                                                \
-  X(VY, "vy", "velocity, y", NORMAL, EM_GAS_FITTED)                                                \
-  X(VZ, "vz", "velocity, z", NORMAL, EM_GAS_FITTED)                                                \
-  X(RELATIVE, "relative", "relative speed at ball-ball collisions", MAXWELL4, EM_GAS_FREE)         \
-  X(VN, "vn", "v_n at ball-ball collisions", RAYLEIGH, EM_GAS_FREE)                                \
-  X(IMPACT, "impact", "impact parameter", LINEAR, EM_GAS_FREE)                                     \
-  X(NORMAL_X, "normal_x", "impact points on the balls, x", UNIFORM, EM_GAS_FREE)                   \
-  X(NORMAL_Y, "normal_y", "impact points on the balls, y", UNIFORM, EM_GAS_FREE)                   \
-  X(NORMAL_Z, "normal_z", "impact points on the balls, z", UNIFORM, EM_GAS_FREE)                   \
-  X(VN_DRUM, "vn_drum", "v_n at ball-drum collisions", RAYLEIGH, EM_GAS_FREE)                      \
-  X(VN_END, "vn_end", "v_n at ball-end collisions", RAYLEIGH, EM_GAS_FREE)                         \
-  X(DRUM_ANGLE, "drum_angle", "impact points on the drum, angle", UNIFORM, EM_GAS_FREE)            \
+#define EM_GAS_LIST(X)                                                                     \
+  X(SPEED, "speed", "speed of the balls", MAXWELL, EM_GAS_ENERGY)                          \
+  X(VX, "vx", "velocity, x", NORMAL, EM_GAS_FITTED)                                        \
+  X(VY, "vy", "velocity, y", NORMAL, EM_GAS_FITTED)                                        \
+  X(VZ, "vz", "velocity, z", NORMAL, EM_GAS_FITTED)                                        \
+  X(RELATIVE, "relative", "relative speed at ball-ball collisions", MAXWELL4, EM_GAS_FREE) \
+  X(VN, "vn", "v_n at ball-ball collisions", RAYLEIGH, EM_GAS_FREE)                        \
+  X(IMPACT, "impact", "impact parameter", LINEAR, EM_GAS_FREE)                             \
+  X(NORMAL_X, "normal_x", "impact points on the balls, x", UNIFORM, EM_GAS_FREE)           \
+  X(NORMAL_Y, "normal_y", "impact points on the balls, y", UNIFORM, EM_GAS_FREE)           \
+  X(NORMAL_Z, "normal_z", "impact points on the balls, z", UNIFORM, EM_GAS_FREE)           \
+  X(VN_DRUM, "vn_drum", "v_n at ball-drum collisions", RAYLEIGH, EM_GAS_FREE)              \
+  X(VN_END, "vn_end", "v_n at ball-end collisions", RAYLEIGH, EM_GAS_FREE)                 \
+  X(DRUM_ANGLE, "drum_angle", "impact points on the drum, angle", UNIFORM, EM_GAS_FREE)    \
   X(DRUM_AXIAL, "drum_axial", "impact points on the drum, along the axis", UNIFORM, EM_GAS_FREE)
 #define EM_GAS_ENUM(code, key, words, law, tie) EM_GAS_##code,
 enum em_gas_quantity { EM_GAS_LIST(EM_GAS_ENUM) EM_GAS_COUNT };
@@ -39,20 +39,21 @@ enum em_gas_quantity { EM_GAS_LIST(EM_GAS_ENUM) EM_GAS_COUNT };
 
 enum { EM_GAS_MODES = 4 };
 
-/* Density waves along one coordinate: the mean over all balls of EM_GAS_MODES waves, frame by frame,
- * whose mean over time is 0 when all places are alike (walls and their layers of balls included). */
+/* Density waves along one coordinate: the mean over all balls of EM_GAS_MODES waves, frame by
+ * frame, whose mean over time is 0 when all places are alike (walls and their layers of balls
+ * included). */
 struct em_gas_waves {
   const char *key, *words;
-  int modes;                  /* 0: none along this coordinate */
+  int modes;                    /* 0: none along this coordinate */
   double *series[EM_GAS_MODES]; /* [frames], owned */
 };
 
 struct em_gas {
-  double kt;                 /* J, from the energy at the start (with gravity: of the frames) */
-  double kt_frames;          /* J, from the balls' velocities */
-  double mass, sigma;        /* kg, and m/s: √(kT/m); NAN for balls of several masses */
-  double energy_drift;       /* largest |E(t) − E(0)|/E(0) of the observables; NAN: none */
-  double square[3];          /* Σ m v_x²/kT, the same of y and z, over the sampled frames */
+  double kt;           /* J, from the energy at the start (with gravity: of the frames) */
+  double kt_frames;    /* J, from the balls' velocities */
+  double mass, sigma;  /* kg, and m/s: √(kT/m); NAN for balls of several masses */
+  double energy_drift; /* largest |E(t) − E(0)|/E(0) of the observables; NAN: none */
+  double square[3];    /* Σ m v_x²/kT, the same of y and z, over the sampled frames */
   size_t frames, wave_frames, windows;
   size_t n[EM_GAS_COUNT];
   double *x[EM_GAS_COUNT]; /* in units of the law's parameter; [0, 1] for uniform ones; owned */
@@ -70,8 +71,8 @@ const char *em_gas_no_places(const struct em_scene *scene);
 
 /* Samples a run. from: NAN: when the start is forgotten. Errors: EM_INPUT (no frames, or too few
  * collisions), EM_MEMORY and those of reading. */
-enum em_status em_gas_new(struct em_gas **gas, const struct em_run_file *run, double from, double to,
-                          struct em_error *err);
+enum em_status em_gas_new(struct em_gas **gas, const struct em_run_file *run, double from,
+                          double to, struct em_error *err);
 void em_gas_free(struct em_gas *gas);
 
 #endif

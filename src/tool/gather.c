@@ -18,9 +18,9 @@ int em_gather_find(const char *name) {
   return -1;
 }
 
-#define NAME(code, name, symbol, unit) name,
+#define NAME(code, name, symbol, unit)   name,
 #define SYMBOL(code, name, symbol, unit) symbol,
-#define UNIT(code, name, symbol, unit) unit,
+#define UNIT(code, name, symbol, unit)   unit,
 static const char *const names[] = {EM_GATHER_LIST(NAME)};
 static const char *const symbols[] = {EM_GATHER_LIST(SYMBOL)};
 static const char *const units[] = {EM_GATHER_LIST(UNIT)};
@@ -91,18 +91,24 @@ static bool prepare(struct em_gather *gather, size_t blocks) {
 
 static double of_ball(enum em_gather_of of, struct em_vec v) {
   switch (of) {
-    case EM_GATHER_VX: return v.x;
-    case EM_GATHER_VY: return v.y;
-    case EM_GATHER_VZ: return v.z;
-    default: return em_vec_norm(v);
+  case EM_GATHER_VX:
+    return v.x;
+  case EM_GATHER_VY:
+    return v.y;
+  case EM_GATHER_VZ:
+    return v.z;
+  default:
+    return em_vec_norm(v);
   }
 }
 
 static enum em_status from_frames(struct em_gather *gather, const struct em_run_file *run,
                                   struct em_error *err) {
   size_t first = 0, end = em_run_file_frame_count(run);
-  while (first < end && em_run_file_frame_time(run, first) < gather->from) first++;
-  while (end > first && em_run_file_frame_time(run, end - 1) > gather->to) end--;
+  while (first < end && em_run_file_frame_time(run, first) < gather->from)
+    first++;
+  while (end > first && em_run_file_frame_time(run, end - 1) > gather->to)
+    end--;
   const size_t frames = end - first, blocks = frames < FRAME_BLOCKS ? frames : FRAME_BLOCKS;
   if (frames == 0)
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
@@ -132,26 +138,36 @@ static enum em_status from_frames(struct em_gather *gather, const struct em_run_
 static unsigned columns_of(enum em_gather_of of) {
   const unsigned common = EM_COLUMN_TIME | EM_COLUMN_CLASS;
   switch (of) {
-    case EM_GATHER_VN: return common | EM_COLUMN_VN;
-    case EM_GATHER_VT: return common | EM_COLUMN_VT;
-    case EM_GATHER_LOST: return common | EM_COLUMN_LOST;
-    case EM_GATHER_ENERGY: return common | EM_COLUMN_VN | EM_COLUMN_BALL | EM_COLUMN_PARTNER;
-    default: return common | EM_COLUMN_VN | EM_COLUMN_VT;
+  case EM_GATHER_VN:
+    return common | EM_COLUMN_VN;
+  case EM_GATHER_VT:
+    return common | EM_COLUMN_VT;
+  case EM_GATHER_LOST:
+    return common | EM_COLUMN_LOST;
+  case EM_GATHER_ENERGY:
+    return common | EM_COLUMN_VN | EM_COLUMN_BALL | EM_COLUMN_PARTNER;
+  default:
+    return common | EM_COLUMN_VN | EM_COLUMN_VT;
   }
 }
 
 static double of_row(enum em_gather_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   switch (of) {
-    case EM_GATHER_VN: return (double)rows->vn[k];
-    case EM_GATHER_VT: return (double)rows->vt[k];
-    case EM_GATHER_LOST: return (double)rows->lost[k];
-    case EM_GATHER_RELATIVE: return hypot((double)rows->vn[k], (double)rows->vt[k]);
-    case EM_GATHER_IMPACT: {
-      const double g = hypot((double)rows->vn[k], (double)rows->vt[k]);
-      return g > 0.0 ? fmin((double)rows->vt[k] / g, 1.0 - 1e-12) : NAN;
-    }
-    default: break;
+  case EM_GATHER_VN:
+    return (double)rows->vn[k];
+  case EM_GATHER_VT:
+    return (double)rows->vt[k];
+  case EM_GATHER_LOST:
+    return (double)rows->lost[k];
+  case EM_GATHER_RELATIVE:
+    return hypot((double)rows->vn[k], (double)rows->vt[k]);
+  case EM_GATHER_IMPACT: {
+    const double g = hypot((double)rows->vn[k], (double)rows->vt[k]);
+    return g > 0.0 ? fmin((double)rows->vt[k] / g, 1.0 - 1e-12) : NAN;
+  }
+  default:
+    break;
   }
   if (rows->ball[k] >= balls->count) return NAN;
   double m = balls->mass[rows->ball[k]];
@@ -203,7 +219,8 @@ static void count_rows(struct em_gather *gather, const struct em_rows *rows, uns
 static enum em_status from_rows(struct em_gather *gather, const struct em_run_file *run,
                                 unsigned classes, struct em_error *err) {
   if (!prepare(gather, BLOCKS)) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  for (size_t b = 0; b < BLOCKS; b++) gather->duration[b] = (gather->to - gather->from) / BLOCKS;
+  for (size_t b = 0; b < BLOCKS; b++)
+    gather->duration[b] = (gather->to - gather->from) / BLOCKS;
   struct em_rows *rows = em_run_file_rows_new(columns_of(gather->of));
   struct em_balls *balls = NULL;
   uint64_t first = 0;
@@ -230,8 +247,7 @@ static void choose_blocks(const struct em_gather *gather, const struct em_run_fi
   const size_t count = em_run_file_block_count(run);
   *first = *end = 0;
   for (size_t k = 0; k < count; k++) {
-    const double middle =
-        0.5 * (em_run_file_block_start(run, k) + em_run_file_block_end(run, k));
+    const double middle = 0.5 * (em_run_file_block_start(run, k) + em_run_file_block_end(run, k));
     if (middle < gather->from || middle > gather->to) continue;
     if (*end == 0) *first = k;
     *end = k + 1;
@@ -290,8 +306,8 @@ static enum em_status from_online(struct em_gather *gather, const struct em_run_
 }
 
 enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *run,
-                             enum em_gather_of of, unsigned classes,
-                             const struct em_window *window, struct em_error *err) {
+                             enum em_gather_of of, unsigned classes, const struct em_window *window,
+                             struct em_error *err) {
   *out = NULL;
   struct em_gather *gather = calloc(1, sizeof *gather);
   if (!gather) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
@@ -328,14 +344,19 @@ struct asked {
 static double evaluate(const struct em_histogram *h, double weight, void *self) {
   const struct asked *asked = self;
   switch (asked->figure) {
-    case EM_GATHER_RATE: return (h->below + h->total + h->above) / weight;
-    case EM_GATHER_QUANTILE: return em_histogram_quantile(h, asked->parameter);
-    case EM_GATHER_MODE: return em_histogram_mode(h, 0.0);
-    case EM_GATHER_MEAN: return em_histogram_mean(h);
-    case EM_GATHER_SHARE_ABOVE: return 1.0 - em_histogram_share(h, asked->parameter);
-    case EM_GATHER_RATE_ABOVE:
-      return h->total > 0.0 ? (1.0 - em_histogram_share(h, asked->parameter)) * h->total / weight
-                            : 0.0;
+  case EM_GATHER_RATE:
+    return (h->below + h->total + h->above) / weight;
+  case EM_GATHER_QUANTILE:
+    return em_histogram_quantile(h, asked->parameter);
+  case EM_GATHER_MODE:
+    return em_histogram_mode(h, 0.0);
+  case EM_GATHER_MEAN:
+    return em_histogram_mean(h);
+  case EM_GATHER_SHARE_ABOVE:
+    return 1.0 - em_histogram_share(h, asked->parameter);
+  case EM_GATHER_RATE_ABOVE:
+    return h->total > 0.0 ? (1.0 - em_histogram_share(h, asked->parameter)) * h->total / weight
+                          : 0.0;
   }
   return NAN;
 }
@@ -346,8 +367,8 @@ struct em_interval em_gather_interval(const struct em_gather *gather, int row,
   struct asked asked = {figure, parameter};
   struct em_interval out = {NAN, NAN, NAN, 0.0, 1.0};
   if (gather->block[row])
-    em_interval_figure(&out, gather->blocks, gather->block[row], gather->duration, evaluate,
-                       &asked, level);
+    em_interval_figure(&out, gather->blocks, gather->block[row], gather->duration, evaluate, &asked,
+                       level);
   return out;
 }
 
@@ -371,7 +392,8 @@ struct em_interval em_gather_share(const struct em_gather *gather, int row, doub
   int first = 0;
   if (good)
     em_interval_figure(&out, gather->blocks, count, gather->duration, share_of, &first, level);
-  for (size_t b = 0; count && b < gather->blocks; b++) em_histogram_free(count[b]);
+  for (size_t b = 0; count && b < gather->blocks; b++)
+    em_histogram_free(count[b]);
   free(count);
   return out;
 }

@@ -14,10 +14,12 @@ static const char *const option_names[] = {"from", "to", "above", "level", "outp
 static const struct em_millpost_help help = {
     .name = "compare",
     .arguments = "RUN RUN [RUN ...]",
-    .summary = "Puts the key figures of runs side by side and tells which differences are significant.",
+    .summary =
+        "Puts the key figures of runs side by side and tells which differences are significant.",
     .details =
         "Each run is held against the first one. A difference counts as significant when its\n"
-        "p-value (Welch), times the number of figures, is below 1 - level; intervals respect correlation\n"
+        "p-value (Welch), times the number of figures, is below 1 - level; intervals respect "
+        "correlation\n"
         "in time. -o draws all figures relative to the first run.",
     .examples = "  millpost compare plain.h5 ramps.h5\n"
                 "  millpost compare 1000rpm.h5 1300rpm.h5 1700rpm.h5 --above 2 -o compare.png",
@@ -35,7 +37,8 @@ static bool is_known(const struct em_figures *f, int runs, int kind) {
 
 static int count_known(const struct em_figures *f, int runs) {
   int count = 0;
-  for (int k = 0; k < EM_FIGURES_COUNT; k++) count += is_known(f, runs, k);
+  for (int k = 0; k < EM_FIGURES_COUNT; k++)
+    count += is_known(f, runs, k);
   return count;
 }
 
@@ -114,8 +117,12 @@ static enum em_status draw(const struct em_figures *f, char label[][96], int run
   snprintf(subtitle, sizeof subtitle,
            "relative to the first run, with confidence intervals; threshold %g m/s", threshold);
   for (int r = 0; r < runs; r++)
-    series[r] = (struct em_plot_series){.name = label[r], .style = EM_PLOT_POINTS, .count = count,
-                                        .x = x[r], .y = y[r], .error = half[r]};
+    series[r] = (struct em_plot_series){.name = label[r],
+                                        .style = EM_PLOT_POINTS,
+                                        .count = count,
+                                        .x = x[r],
+                                        .y = y[r],
+                                        .error = half[r]};
   const struct em_plot_mark mark = {100.0, true, NULL};
   const struct em_plot plot = {.title = "Key figures",
                                .subtitle = subtitle,

@@ -8,15 +8,16 @@
 #include "tool/export.h"
 #include "tool/millpost.h"
 
-static const char *const option_names[] = {"to-format", "of", "from", "until", "at", "every",
-                                           "output", ""};
+static const char *const option_names[] = {"to-format", "of",    "from",   "until",
+                                           "at",        "every", "output", ""};
 
 static const struct em_millpost_help help = {
     .name = "export",
     .arguments = "RUN --to FORMAT",
     .summary = "Writes a run in the format of another program.",
     .details =
-        "  xdmf    a small text file with which ParaView opens the run file itself (\"XDMF Reader\")\n"
+        "  xdmf    a small text file with which ParaView opens the run file itself (\"XDMF "
+        "Reader\")\n"
         "  xdmf3   the same for ParaView's \"Xdmf3 Reader\"\n"
         "  vtk     VTK PolyData, one file per frame, and a .pvd with their times\n"
         "  lammps  a text dump of all frames, for OVITO\n"
@@ -27,7 +28,8 @@ static const struct em_millpost_help help = {
         "Without -o, the output stands beside the run and has its name.",
     .examples = "  millpost export simoloyer-2l.h5 --to xdmf\n"
                 "  millpost export simoloyer-2l.h5 --to lammps --every 5 -o mill.dump\n"
-                "  millpost export simoloyer-2l.h5 --to pov --at 0.5 -o mill.pov && povray +W1280 +H720 mill.pov",
+                "  millpost export simoloyer-2l.h5 --to pov --at 0.5 -o mill.pov && povray +W1280 "
+                "+H720 mill.pov",
     .options = option_names,
     .least = 1,
     .most = 1,
@@ -46,12 +48,9 @@ static const struct format {
   bool needs_frames;
   enum em_status (*write)(const struct em_export *job, struct em_error *err);
 } formats[] = {
-    {"xdmf", ".xdmf", true, write_xdmf},
-    {"xdmf3", ".xdmf", true, write_xdmf3},
-    {"vtk", ".pvd", true, em_export_vtk_write},
-    {"lammps", ".dump", true, em_export_text_lammps},
-    {"csv", ".csv", true, em_export_text_frames},
-    {"pov", ".pov", true, em_export_pov_write},
+    {"xdmf", ".xdmf", true, write_xdmf},          {"xdmf3", ".xdmf", true, write_xdmf3},
+    {"vtk", ".pvd", true, em_export_vtk_write},   {"lammps", ".dump", true, em_export_text_lammps},
+    {"csv", ".csv", true, em_export_text_frames}, {"pov", ".pov", true, em_export_pov_write},
     {"stl", ".stl", false, em_export_stl_write},
 };
 

@@ -1,5 +1,5 @@
-/* millpost fit: laws of restitution fitted to measured pairs (speed, restitution), ranked, and printed
- * as an entry for a scene. (Reichardt 2005, 7.2) */
+/* millpost fit: laws of restitution fitted to measured pairs (speed, restitution), ranked, and
+ * printed as an entry for a scene. (Reichardt 2005, 7.2) */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,9 +20,11 @@ static const struct em_millpost_help help = {
     .arguments = "TABLE",
     .summary = "Fits all laws of restitution to measured pairs of speed (m/s) and restitution.",
     .details =
-        "TABLE is a text file with two numbers per line, separated by blanks or a comma; what follows\n"
+        "TABLE is a text file with two numbers per line, separated by blanks or a comma; what "
+        "follows\n"
         "a # is a comment, and a first line without numbers is a heading. The laws are ranked by\n"
-        "Akaike's criterion (the smaller, the better; 2 is a slight difference, 10 a clear one). The\n"
+        "Akaike's criterion (the smaller, the better; 2 is a slight difference, 10 a clear one). "
+        "The\n"
         "best is printed as an entry for a scene.",
     .examples = "  millpost fit shots.txt -o shots.png\n"
                 "  millpost fit shots.csv --json",
@@ -82,7 +84,8 @@ static enum em_status read_lines(struct pairs *pairs, FILE *in, const char *path
     const int kind = parse(line, &v, &e);
     if (kind == 0 || (kind == 1 && pairs->n == 0 && number == 1)) continue;
     if (kind == 1)
-      return em_error_set(err, EM_INPUT, path, number, "expected two numbers, speed and restitution");
+      return em_error_set(err, EM_INPUT, path, number,
+                          "expected two numbers, speed and restitution");
     if (!(v >= 0.0) || !isfinite(v))
       return em_error_set(err, EM_INPUT, path, number, "the speed %g is not ≥ 0 m/s", v);
     if (!(e >= 0.0 && e <= 1.5))
@@ -107,9 +110,11 @@ static enum em_status read_pairs(struct pairs *pairs, const char *path, struct e
 
 /* ---------------------------------------------------------------- fitting */
 
+/* Scenes allow no negative parameters: p and −p are the same curve. */
 static double value(double v, const double *p, const void *self) {
   struct em_restitution law = {.law = *(const enum em_law *)self};
-  for (int k = 0; k < em_contact_law_size(law.law); k++) law.p[k] = p[k];
+  for (int k = 0; k < em_contact_law_size(law.law); k++)
+    law.p[k] = fabs(p[k]);
   return em_contact_restitution(&law, v);
 }
 
@@ -122,10 +127,13 @@ static struct result fit_law(enum em_law law, const struct pairs *pairs) {
   for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
     double start[EM_LAW_PARAMETERS];
     struct em_fit fit;
-    for (int j = 0; j < model.parameters; j++) start[j] = factor[k] * standard.p[j];
+    for (int j = 0; j < model.parameters; j++)
+      start[j] = factor[k] * standard.p[j];
     if (em_fit_curve(&fit, &model, pairs->n, pairs->v, pairs->e, start, NULL) != EM_OK) continue;
     if (!fit.converged || !isfinite(fit.residual)) continue;
     if (best.good && fit.residual >= best.fit.residual) continue;
+    for (int j = 0; j < model.parameters; j++)
+      fit.p[j] = fabs(fit.p[j]);
     best.good = true;
     best.fit = fit;
   }
@@ -181,22 +189,31 @@ static void snippet(struct em_report *report, const struct result *best) {
   em_report_fact_text(report, "scene", "for a scene", "%s", text);
 }
 
-static enum em_status draw(const struct pairs *pairs, const struct result *result,
-                           const char *path, struct em_error *err) {
+static enum em_status draw(const struct pairs *pairs, const struct result *result, const char *path,
+                           struct em_error *err) {
   enum { POINTS = 300 };
   double high = 0.0, x[POINTS], y[EM_LAW_COUNT][POINTS];
   struct em_plot_series series[EM_LAW_COUNT + 1];
-  for (size_t i = 0; i < pairs->n; i++) high = fmax(high, pairs->v[i]);
-  for (int i = 0; i < POINTS; i++) x[i] = high * i / (POINTS - 1.0);
-  series[0] = (struct em_plot_series){.name = "measured", .style = EM_PLOT_POINTS,
-                                      .count = pairs->n, .x = pairs->v, .y = pairs->e,
+  for (size_t i = 0; i < pairs->n; i++)
+    high = fmax(high, pairs->v[i]);
+  for (int i = 0; i < POINTS; i++)
+    x[i] = high * i / (POINTS - 1.0);
+  series[0] = (struct em_plot_series){.name = "measured",
+                                      .style = EM_PLOT_POINTS,
+                                      .count = pairs->n,
+                                      .x = pairs->v,
+                                      .y = pairs->e,
                                       .colour = 1};
   size_t count = 1;
   for (int k = 0; k < EM_LAW_COUNT && result[k].good; k++) {
-    for (int i = 0; i < POINTS; i++) y[k][i] = value(x[i], result[k].fit.p, &result[k].law);
-    series[count++] = (struct em_plot_series){
-        .name = em_contact_law_name(result[k].law), .style = k == 0 ? EM_PLOT_LINE : EM_PLOT_DASHED,
-        .count = POINTS, .x = x, .y = y[k], .colour = k + 2};
+    for (int i = 0; i < POINTS; i++)
+      y[k][i] = value(x[i], result[k].fit.p, &result[k].law);
+    series[count++] = (struct em_plot_series){.name = em_contact_law_name(result[k].law),
+                                              .style = k == 0 ? EM_PLOT_LINE : EM_PLOT_DASHED,
+                                              .count = POINTS,
+                                              .x = x,
+                                              .y = y[k],
+                                              .colour = k + 2};
   }
   char subtitle[160];
   snprintf(subtitle, sizeof subtitle, "%zu pairs; best by Akaike's criterion: %s, σ = %.3g",
@@ -216,7 +233,8 @@ static int run_with(struct pairs *pairs, const struct em_millpost_options *o) {
   struct em_error err = {.code = EM_OK};
   if (read_pairs(pairs, o->run[0], &err) != EM_OK) return em_millpost_fail(&err);
   struct result result[EM_LAW_COUNT];
-  for (int law = 0; law < EM_LAW_COUNT; law++) result[law] = fit_law((enum em_law)law, pairs);
+  for (int law = 0; law < EM_LAW_COUNT; law++)
+    result[law] = fit_law((enum em_law)law, pairs);
   qsort(result, EM_LAW_COUNT, sizeof *result, by_aic);
   if (!result[0].good) {
     em_error_set(&err, EM_NUMERIC, o->run[0], 0, "no law can be fitted");

@@ -11,22 +11,24 @@
 
 enum { MOST_RUNS = 16, LEAST_BINS = 60, MOST_BINS = 2000, ONLINE_BINS = 160 };
 
-static const char *const option_names[] = {"of",    "class",      "from",  "to",  "bins", "above",
+static const char *const option_names[] = {"of",    "class",      "from",  "to",  "bins",   "above",
                                            "level", "cumulative", "curve", "log", "output", ""};
 
 static const struct em_millpost_help help = {
     .name = "hist",
     .arguments = "RUN [RUN ...]",
-    .summary = "Tells how often and how hard balls hit: counts, rates, quartiles, and what lies above "
-               "a threshold.",
+    .summary =
+        "Tells how often and how hard balls hit: counts, rates, quartiles, and what lies above "
+        "a threshold.",
     .details =
         "Quantities (--of): vn vt relative energy lost impact, at collisions;\n"
         "speed vx vy vz, of balls in the frames. All but vn, speed and its components need the\n"
         "collision table (record.collisions=true). The ± are confidence intervals that respect\n"
         "correlation in time. Several runs are laid over one another.",
-    .examples = "  millpost hist simoloyer-2l.h5 -o vn.png\n"
-                "  millpost hist simoloyer-2l.h5 --of speed --from 0.2 --csv\n"
-                "  millpost hist slow.h5 fast.h5 --class ball-ball --above 2 --cumulative -o both.png",
+    .examples =
+        "  millpost hist simoloyer-2l.h5 -o vn.png\n"
+        "  millpost hist simoloyer-2l.h5 --of speed --from 0.2 --csv\n"
+        "  millpost hist slow.h5 fast.h5 --class ball-ball --above 2 --cumulative -o both.png",
     .options = option_names,
     .least = 1,
     .most = MOST_RUNS,
@@ -120,8 +122,9 @@ static void how_hard(struct em_report *report, const struct input *in, int runs,
   const char *unit = em_gather_unit(in[0].gather->of);
   char title[128];
   snprintf(title, sizeof title, "How %s: %s",
-           in[0].gather->of_balls ? "fast" : in[0].gather->of == EM_GATHER_IMPACT ? "central"
-                                                                                    : "hard",
+           in[0].gather->of_balls                 ? "fast"
+           : in[0].gather->of == EM_GATHER_IMPACT ? "central"
+                                                  : "hard",
            em_gather_symbol(in[0].gather->of));
   begin_table(report, "how_hard", title, runs);
   em_report_column(report, "mode", "mode", unit);
@@ -154,7 +157,8 @@ struct curve {
   char name[160];
 };
 
-/* Is this a curve of the diagram? In a comparison of runs, all classes together unless asked for. */
+/* Is this a curve of the diagram? In a comparison of runs, all classes together unless asked for.
+ */
 static bool drawn(const struct input *in, int runs, unsigned classes, int row) {
   if (!shown(in, classes, row) || !(in->gather->total[row]->total > 0.0)) return false;
   if (runs > 1 && !classes && row != EM_GATHER_ALL) return false;
@@ -191,7 +195,8 @@ static bool make_curve(struct curve *curve, const struct em_histogram *h, size_t
   return true;
 }
 
-/* The square root of the number of values, of the curve that has the fewest: all share their bins. */
+/* The square root of the number of values, of the curve that has the fewest: all share their bins.
+ */
 static size_t bins_of(const struct input *in, int runs, const struct em_millpost_options *o) {
   if (o->bins > 0) return (size_t)o->bins;
   size_t bins = MOST_BINS;
@@ -217,8 +222,8 @@ static int make_curves(struct curve *curve, const struct input *in, int runs,
       const struct em_histogram *h = in[r].gather->total[row];
       if (!drawn(&in[r], runs, o->classes, row)) continue;
       struct curve *c = &curve[count++];
-      snprintf(c->name, sizeof c->name, "%s%s%s", runs > 1 ? in[r].label : "",
-               runs > 1 ? ", " : "", row_name(in[r].gather, row));
+      snprintf(c->name, sizeof c->name, "%s%s%s", runs > 1 ? in[r].label : "", runs > 1 ? ", " : "",
+               row_name(in[r].gather, row));
       if (!make_curve(c, h, bins, low, high, o->cumulative)) return -1;
     }
   return count;
@@ -235,7 +240,8 @@ static void curve_table(struct em_report *report, const struct curve *curve, int
   em_report_begin(report, "curve", cumulative ? "Share below" : "Density (area 1)");
   em_report_column(report, "low", "from", em_gather_unit(gather->of));
   em_report_column(report, "high", "to", em_gather_unit(gather->of));
-  for (int k = 0; k < count; k++) em_report_column(report, curve[k].name, curve[k].name, unit);
+  for (int k = 0; k < count; k++)
+    em_report_column(report, curve[k].name, curve[k].name, unit);
   for (size_t b = 0; b < curve[0].h->bins; b++) {
     em_report_number(report, curve[0].h->edge[b]);
     em_report_number(report, curve[0].h->edge[b + 1]);
@@ -271,11 +277,16 @@ static enum em_status draw(const struct curve *curve, int count, const struct in
   snprintf(mark_name, sizeof mark_name, "%g %s", above, em_gather_unit(gather->of));
   const struct em_plot_mark mark = {above, false, mark_name};
   const double end = curve[0].h->edge[curve[0].h->bins];
-  const struct em_plot plot = {
-      .title = title, .subtitle = subtitle, .x_label = x_label, .y_label = y_label,
-      .log_y = o->log, .series_count = (size_t)count, .series = series,
-      .mark_count = isfinite(above) && above < end ? 1 : 0, .mark = &mark,
-      .y_high = o->cumulative ? 1.0 : 0.0};
+  const struct em_plot plot = {.title = title,
+                               .subtitle = subtitle,
+                               .x_label = x_label,
+                               .y_label = y_label,
+                               .log_y = o->log,
+                               .series_count = (size_t)count,
+                               .series = series,
+                               .mark_count = isfinite(above) && above < end ? 1 : 0,
+                               .mark = &mark,
+                               .y_high = o->cumulative ? 1.0 : 0.0};
   return em_plot_draw(&plot, o->out, err);
 }
 
@@ -286,8 +297,7 @@ static enum em_status read_inputs(struct input *in, const struct em_millpost_opt
   for (int r = 0; r < o->run_count; r++) {
     em_millpost_label(o->run[r], in[r].label, sizeof in[r].label);
     enum em_status status = em_run_file_open(&in[r].file, o->run[r], err);
-    if (status == EM_OK)
-      status = em_window_find(&in[r].window, in[r].file, o->from, o->to, err);
+    if (status == EM_OK) status = em_window_find(&in[r].window, in[r].file, o->from, o->to, err);
     if (status == EM_OK)
       status = em_gather_new(&in[r].gather, in[r].file, of, o->classes, &in[r].window, err);
     if (status != EM_OK) return status;
@@ -302,8 +312,9 @@ static void facts(struct em_report *report, const struct input *in, int runs,
   em_report_fact(report, "level", "level of the intervals", o->level, "");
   for (int r = 0; r < runs; r++) {
     if (runs == 1) em_report_fact_text(report, "run", "run", "%s", o->run[0]);
-    if (runs > 1) em_report_fact_text(report, in[r].label, in[r].label, "%g … %g s (%s)",
-                                      in[r].gather->from, in[r].gather->to, in[r].window.how);
+    if (runs > 1)
+      em_report_fact_text(report, in[r].label, in[r].label, "%g … %g s (%s)", in[r].gather->from,
+                          in[r].gather->to, in[r].window.how);
   }
   if (runs > 1) return;
   struct em_window used = in[0].window;
@@ -328,8 +339,8 @@ static int run_with(struct input *in, const struct em_millpost_options *o, enum 
   how_hard(report, in, runs, o);
   struct curve curve[MOST_RUNS * EM_GATHER_ROWS] = {{NULL, NULL, ""}};
   const int count = make_curves(curve, in, runs, o);
-  enum em_status status = count < 0 ? em_error_set(&err, EM_MEMORY, NULL, 0, "out of memory")
-                                    : EM_OK;
+  enum em_status status =
+      count < 0 ? em_error_set(&err, EM_MEMORY, NULL, 0, "out of memory") : EM_OK;
   if (count == 0 && (o->curve || o->out))
     status = em_error_set(&err, EM_INPUT, o->run[0], 0, "nothing was counted in this window");
   if (status == EM_OK && o->curve) curve_table(report, curve, count, in[0].gather, o->cumulative);
@@ -348,8 +359,10 @@ int em_millpost_hist(int argc, char **argv) {
   if (code >= 0) return code;
   const int of = options.of ? em_gather_find(options.of) : EM_GATHER_VN;
   if (of < 0)
-    return em_millpost_usage("hist", "unknown quantity '%s', expected vn vt speed relative vx vy vz "
-                                     "energy lost or impact", options.of);
+    return em_millpost_usage("hist",
+                             "unknown quantity '%s', expected vn vt speed relative vx vy vz "
+                             "energy lost or impact",
+                             options.of);
   struct input in[MOST_RUNS] = {{NULL, NULL, {0}, ""}};
   const int result = run_with(in, &options, (enum em_gather_of)of);
   for (int r = 0; r < options.run_count; r++) {

@@ -26,8 +26,8 @@ static void chamber_facts(struct em_report *report, const struct em_scene *scene
     em_report_fact_text(report, "chamber", "chamber", "drum, diameter %g m, length %g m",
                         c->diameter, c->length);
   else
-    em_report_fact_text(report, "chamber", "chamber", "box, %g × %g × %g m%s", c->size.x,
-                        c->size.y, c->size.z,
+    em_report_fact_text(report, "chamber", "chamber", "box, %g × %g × %g m%s", c->size.x, c->size.y,
+                        c->size.z,
                         c->periodic[0] || c->periodic[1] || c->periodic[2] ? ", periodic" : "");
   for (size_t r = 0; r < scene->rotor_count; r++)
     em_report_fact_text(report, "rotor", "rotor", "%g rpm, %zu blades", scene->rotor[r].rpm,
@@ -63,8 +63,7 @@ static void state_facts(struct em_report *report, const struct em_run_file *run)
   em_report_fact_count(report, "histogram_blocks", "blocks of histograms",
                        em_run_file_block_count(run));
   if (em_run_file_has_rows(run))
-    em_report_fact_count(report, "rows", "rows of the collision table",
-                         em_run_file_row_count(run));
+    em_report_fact_count(report, "rows", "rows of the collision table", em_run_file_row_count(run));
   else
     em_report_fact_text(report, "rows", "collision table", "none");
 }
@@ -83,7 +82,8 @@ static enum em_status class_table(struct em_report *report, const struct em_run_
   if (series->count > 0 && series->width == EM_CLASS_COUNT) {
     const double *last = series->value + (series->count - 1) * series->width;
     double all = 0.0;
-    for (int cls = 0; cls < EM_CLASS_COUNT; cls++) all += last[cls];
+    for (int cls = 0; cls < EM_CLASS_COUNT; cls++)
+      all += last[cls];
     for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
       em_report_text(report, "%s", em_contact_class_name((enum em_class)cls));
       em_report_count(report, (uint64_t)last[cls]);

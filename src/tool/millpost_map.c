@@ -11,9 +11,9 @@
 #include "tool/millpost.h"
 #include "tool/window.h"
 
-static const char *const option_names[] = {"cells", "of",     "class", "from",   "to",
-                                           "slices", "tubes", "sectors", "rings", "minus",
-                                           "spread", "relative", "level", "output", ""};
+static const char *const option_names[] = {"cells",  "of",       "class",   "from",   "to",
+                                           "slices", "tubes",    "sectors", "rings",  "minus",
+                                           "spread", "relative", "level",   "output", ""};
 
 static const struct em_millpost_help help = {
     .name = "map",
@@ -25,12 +25,15 @@ static const struct em_millpost_help help = {
         "     energy: Σ ½ m_eff v_n² per volume and time;  lost: what they dissipate there\n"
         "     (these four from the collision table; --class picks classes)\n"
         "Sectors all have one volume; rings have one cross-section and are mirrored at the axis.\n"
-        "The text table sums up the tubes; --csv and --json give every cell. Cells without data stay\n"
-        "blank. With --minus, both maps and their difference are made; red is where RUN is larger.\n"
+        "The text table sums up the tubes; --csv and --json give every cell. Cells without data "
+        "stay\n"
+        "blank. With --minus, both maps and their difference are made; red is where RUN is "
+        "larger.\n"
         "With --slices, one picture is written per slice: FILE-1.png, FILE-2.png, ...",
-    .examples = "  millpost map simoloyer-2l.h5 --cells sectors --of count -o where.png\n"
-                "  millpost map simoloyer-2l.h5 --cells rings --of vn --class ball-ball -o vn.png\n"
-                "  millpost map ramps.h5 --minus plain.h5 --cells sectors --of vn -o difference.png",
+    .examples =
+        "  millpost map simoloyer-2l.h5 --cells sectors --of count -o where.png\n"
+        "  millpost map simoloyer-2l.h5 --cells rings --of vn --class ball-ball -o vn.png\n"
+        "  millpost map ramps.h5 --minus plain.h5 --cells sectors --of vn -o difference.png",
     .options = option_names,
     .least = 1,
     .most = 1,
@@ -75,7 +78,8 @@ static void tube_table(struct em_report *report, const struct em_field *field,
     double n = 0.0;
     const size_t first = cells->first[t], end = first + cells->in_tube[t];
     for (size_t s = 0; s < cells->slices; s++)
-      for (size_t k = first; k < end; k++) n += em_field_values(field, s * cells->per_slice + k);
+      for (size_t k = first; k < end; k++)
+        n += em_field_values(field, s * cells->per_slice + k);
     if (cells->slices == 1) {
       value = em_field_value(field, first, end, level);
       if (minus) other = em_field_value(minus, first, end, level);
@@ -168,8 +172,8 @@ static size_t fill(struct em_plot_cell *out, const struct em_field *field,
     }
     out[count++] =
         (struct em_plot_cell){{1e3 * low[2], 1e3 * low[0]}, {1e3 * high[2], 1e3 * high[0]}, value};
-    out[count++] = (struct em_plot_cell){{1e3 * low[2], -1e3 * high[0]},
-                                         {1e3 * high[2], -1e3 * low[0]}, value};
+    out[count++] = (struct em_plot_cell){
+        {1e3 * low[2], -1e3 * high[0]}, {1e3 * high[2], -1e3 * low[0]}, value};
   }
   if (cells->kind == EM_CELLS_SECTORS)
     for (size_t j = 0; j < count; j++) {
@@ -179,9 +183,10 @@ static size_t fill(struct em_plot_cell *out, const struct em_field *field,
   return count;
 }
 
-/* Colours from the 0.5 % to the 99.5 % quantile: single cells with few values do not set the scale. */
-static void colour_range(const struct em_plot_cell *cell, size_t count, bool diverging,
-                         double *low, double *high) {
+/* Colours from the 0.5 % to the 99.5 % quantile: single cells with few values do not set the scale.
+ */
+static void colour_range(const struct em_plot_cell *cell, size_t count, bool diverging, double *low,
+                         double *high) {
   double *value = malloc((count + 1) * sizeof *value);
   size_t n = 0;
   *low = *high = 0.0;
@@ -225,9 +230,8 @@ static void titles(struct em_plot_map *map, const struct em_field *field,
 }
 
 static enum em_status draw_slice(const struct em_run_file *run, const struct em_field *field,
-                                 const struct em_field *minus,
-                                 const struct em_millpost_options *o, size_t slice,
-                                 const char *path, struct em_error *err) {
+                                 const struct em_field *minus, const struct em_millpost_options *o,
+                                 size_t slice, const char *path, struct em_error *err) {
   char title[160], value[160], subtitle[320];
   struct em_plot_map map = {.width = 0};
   struct em_plot_cell *cell = malloc(2 * field->cells->per_slice * sizeof *cell);
@@ -332,8 +336,10 @@ int em_millpost_map(int argc, char **argv) {
     return em_millpost_usage("map", "--cells must be sectors or rings");
   int of = o.of ? em_field_find(o.of) : EM_FIELD_COUNT;
   if (of < 0)
-    return em_millpost_usage("map", "unknown quantity '%s', expected count hits speed vn energy or "
-                                    "lost", o.of);
+    return em_millpost_usage("map",
+                             "unknown quantity '%s', expected count hits speed vn energy or "
+                             "lost",
+                             o.of);
   if (of == EM_FIELD_COUNT && o.classes) of = EM_FIELD_HITS;
   const long tubes = o.tubes ? o.tubes : 25, sectors = o.sectors ? o.sectors : 2500;
   if (sectors < tubes) return em_millpost_usage("map", "fewer sectors than tubes");

@@ -31,8 +31,10 @@ static const struct option_entry entries[] = {
      AT(bins), 0},
     {"above", "V", "threshold of shares and rates; default: 3 (m/s)", NUMBER, AT(above), 0},
     {"level", "P", "level of the confidence intervals; default: 0.95", NUMBER, AT(level), 0},
-    {"alpha", "P", "a law is refuted when its p-value, times the number of tests, is below P; "
-                   "default: 0.001", NUMBER, AT(alpha), 0},
+    {"alpha", "P",
+     "a law is refuted when its p-value, times the number of tests, is below P; "
+     "default: 0.001",
+     NUMBER, AT(alpha), 0},
     {"cumulative", NULL, "draw the shares below a value instead of the density", FLAG,
      AT(cumulative), 0},
     {"curve", NULL, "print the histogram itself, bin by bin", FLAG, AT(curve), 0},
@@ -106,8 +108,10 @@ static int read_classes(unsigned *classes, const char *command, const char *text
   for (char *name; (name = strsep(&rest, ",")) != NULL;) {
     const int k = em_contact_class_find(name);
     if (k < 0)
-      return em_millpost_usage(command, "unknown class '%s', expected ball-ball, ball-drum, "
-                                        "ball-end or ball-blade", name);
+      return em_millpost_usage(command,
+                               "unknown class '%s', expected ball-ball, ball-drum, "
+                               "ball-end or ball-blade",
+                               name);
     *classes |= 1U << k;
   }
   return -1;
@@ -117,34 +121,46 @@ static int store(struct em_millpost_options *options, const struct option_entry 
                  const char *command, char *text) {
   char *place = (char *)options + entry->offset, *end;
   switch (entry->target) {
-    case TEXT: *(const char **)(void *)place = text; return -1;
-    case FLAG: *(bool *)(void *)place = true; return -1;
-    case FORMAT: options->format = (enum em_report_format)entry->value; return -1;
-    case CLASSES: return read_classes(&options->classes, command, text);
-    case NUMBER: {
-      const double value = strtod(text, &end);
-      if (end == text || *end || !isfinite(value))
-        return em_millpost_usage(command, "--%s: '%s' is not a number", entry->name, text);
-      *(double *)(void *)place = value;
-      return -1;
-    }
-    case WHOLE: {
-      errno = 0;
-      const long value = strtol(text, &end, 10);
-      if (end == text || *end || errno || value < 1 || value > 10000000)
-        return em_millpost_usage(command, "--%s: '%s' is not a number from 1 to 10000000",
-                                 entry->name, text);
-      *(long *)(void *)place = value;
-      return -1;
-    }
+  case TEXT:
+    *(const char **)(void *)place = text;
+    return -1;
+  case FLAG:
+    *(bool *)(void *)place = true;
+    return -1;
+  case FORMAT:
+    options->format = (enum em_report_format)entry->value;
+    return -1;
+  case CLASSES:
+    return read_classes(&options->classes, command, text);
+  case NUMBER: {
+    const double value = strtod(text, &end);
+    if (end == text || *end || !isfinite(value))
+      return em_millpost_usage(command, "--%s: '%s' is not a number", entry->name, text);
+    *(double *)(void *)place = value;
+    return -1;
+  }
+  case WHOLE: {
+    errno = 0;
+    const long value = strtol(text, &end, 10);
+    if (end == text || *end || errno || value < 1 || value > 10000000)
+      return em_millpost_usage(command, "--%s: '%s' is not a number from 1 to 10000000",
+                               entry->name, text);
+    *(long *)(void *)place = value;
+    return -1;
+  }
   }
   return -1;
 }
 
 static struct em_millpost_options defaults(void) {
-  return (struct em_millpost_options){
-      .from = NAN, .to = NAN, .above = NAN, .below = NAN, .at = NAN, .target = NAN,
-      .level = 0.95, .alpha = 0.001};
+  return (struct em_millpost_options){.from = NAN,
+                                      .to = NAN,
+                                      .above = NAN,
+                                      .below = NAN,
+                                      .at = NAN,
+                                      .target = NAN,
+                                      .level = 0.95,
+                                      .alpha = 0.001};
 }
 
 /* The options of this command, as getopt_long wants them; `val` is the index in `entries`. */

@@ -16,11 +16,13 @@ static const struct em_millpost_help help = {
     .name = "power",
     .arguments = "RUN",
     .summary = "Tells what power the rotor takes, and where the energy goes.",
-    .details =
-        "The power is found in three ways: the work done in the contacts with blades, the torque on\n"
-        "each blade times its speed, and the energy balance (growth of the balls' energy + what all\n"
-        "contacts dissipate). The share of dissipation above a threshold speed needs the collision\n"
-        "table; without it the share of Σ ½ m v_n² is given.",
+    .details = "The power is found in three ways: the work done in the contacts with blades, the "
+               "torque on\n"
+               "each blade times its speed, and the energy balance (growth of the balls' energy + "
+               "what all\n"
+               "contacts dissipate). The share of dissipation above a threshold speed needs the "
+               "collision\n"
+               "table; without it the share of Σ ½ m v_n² is given.",
     .examples = "  millpost power simoloyer-2l.h5 -o power.png\n"
                 "  millpost power simoloyer-2l.h5 --above 2 --json",
     .options = option_names,
@@ -54,7 +56,8 @@ static void input_facts(struct em_report *report, const struct em_balance *b, do
 static void specific_facts(struct em_report *report, const struct em_balance *b,
                            const struct em_balls *balls) {
   double mass = 0.0;
-  for (size_t i = 0; i < balls->count; i++) mass += balls->mass[i];
+  for (size_t i = 0; i < balls->count; i++)
+    mass += balls->mass[i];
   const double dissipated = em_balance_dissipated(b);
   em_report_fact(report, "ball_mass", "mass of all balls", mass, "kg");
   em_report_fact(report, "dissipated_per_ball", "dissipated per ball",
@@ -74,8 +77,8 @@ struct useful {
 static enum em_status from_table(struct useful *useful, const struct em_run_file *run,
                                  const struct em_window *window, double threshold,
                                  struct em_error *err) {
-  struct em_rows *rows = em_run_file_rows_new(EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_VN |
-                                              EM_COLUMN_LOST);
+  struct em_rows *rows =
+      em_run_file_rows_new(EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_VN | EM_COLUMN_LOST);
   if (!rows) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   useful->dissipated = true;
   enum em_status status = EM_OK;
@@ -105,11 +108,11 @@ static double squares(const struct em_histogram *h, double threshold) {
   return sum;
 }
 
-/* The mean effective mass of a class cancels within it; Σ ½ m v_n² of the window gives its weight. */
+/* The mean effective mass of a class cancels within it; Σ ½ m v_n² of the window gives its weight.
+ */
 static enum em_status from_histograms(struct useful *useful, const struct em_run_file *run,
-                                      const struct em_balance *b,
-                                      const struct em_window *window, double threshold,
-                                      struct em_error *err) {
+                                      const struct em_balance *b, const struct em_window *window,
+                                      double threshold, struct em_error *err) {
   struct em_gather *gather;
   const enum em_status status = em_gather_new(&gather, run, EM_GATHER_VN, 0, window, err);
   if (status != EM_OK) return status;
@@ -182,8 +185,7 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
   const size_t n = b->lost.count - 1, group = n > 400 ? n / 200 : 1, points = n / group;
   double *cell = malloc(4 * points * sizeof *cell);
   if (!cell) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  double *t = cell, *torque = cell + points, *energy = cell + 2 * points,
-         *lost = cell + 3 * points;
+  double *t = cell, *torque = cell + points, *energy = cell + 2 * points, *lost = cell + 3 * points;
   for (size_t k = 0; k < points; k++) {
     t[k] = 0.5 * (b->lost.time[k * group] + b->lost.time[(k + 1) * group]);
     torque[k] = energy[k] = lost[k] = 0.0;
@@ -196,7 +198,10 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
   const struct em_plot_series series[] = {
       {.name = "dissipated", .style = EM_PLOT_LINE, .count = points, .x = t, .y = lost},
       {.name = "blades, by torque", .style = EM_PLOT_LINE, .count = points, .x = t, .y = torque},
-      {.name = "blades, by energy balance", .style = EM_PLOT_DASHED, .count = points, .x = t,
+      {.name = "blades, by energy balance",
+       .style = EM_PLOT_DASHED,
+       .count = points,
+       .x = t,
        .y = energy}};
   char subtitle[256];
   em_plot_subtitle(em_run_file_scene(run), subtitle, sizeof subtitle);

@@ -11,18 +11,21 @@
 
 enum { MOST_RUNS = 512, MOST_GROUPS = 64 };
 
-static const char *const option_names[] = {"from", "to", "above", "match", "target", "level",
-                                           "output", ""};
+static const char *const option_names[] = {"from",   "to",    "above",  "match",
+                                           "target", "level", "output", ""};
 
 static const struct em_millpost_help help = {
     .name = "scale",
     .arguments = "REFERENCE RUN [RUN ...]",
-    .summary = "Tells which speed of the rotor gives the same impacts with other balls or in another "
-               "mill.",
+    .summary =
+        "Tells which speed of the rotor gives the same impacts with other balls or in another "
+        "mill.",
     .details =
         "The runs of a sweep are sorted into groups that differ in nothing but the speed; in each\n"
-        "group the speed is found at which the figure (--match, by default median-vn) equals that of\n"
-        "the first run, by interpolation between neighbours. Beside it stand the rules of thumb: speed\n"
+        "group the speed is found at which the figure (--match, by default median-vn) equals that "
+        "of\n"
+        "the first run, by interpolation between neighbours. Beside it stand the rules of thumb: "
+        "speed\n"
         "× √(mass of a ball, old/new) for another material, equal tip speed for another size, the\n"
         "same speed for more balls. --match takes every key of 'compare --json', e.g. rate-above.",
     .examples = "  millpost scale 1000rpm-3000.h5 *rpm-5000.h5 -o scale.png\n"
@@ -210,15 +213,19 @@ static enum em_status draw(const struct point *point, int count, int groups, int
       half[n++] = point[k].y.half;
     }
     group_name(name[g], sizeof name[g], first_of(point, count, g));
-    series[used++] = (struct em_plot_series){.style = EM_PLOT_LINE, .count = n - first,
-                                             .x = x + first, .y = y + first, .colour = g + 1};
-    series[used++] =
-        (struct em_plot_series){.name = name[g], .style = EM_PLOT_POINTS, .count = n - first,
-                                .x = x + first, .y = y + first, .error = half + first,
-                                .colour = g + 1};
+    series[used++] = (struct em_plot_series){
+        .style = EM_PLOT_LINE, .count = n - first, .x = x + first, .y = y + first, .colour = g + 1};
+    series[used++] = (struct em_plot_series){.name = name[g],
+                                             .style = EM_PLOT_POINTS,
+                                             .count = n - first,
+                                             .x = x + first,
+                                             .y = y + first,
+                                             .error = half + first,
+                                             .colour = g + 1};
   }
   const char *words = em_figures_words((enum em_figures_kind)kind);
-  while (*words == ' ') words++;
+  while (*words == ' ')
+    words++;
   snprintf(label, sizeof label, "%s  [%s]", words, em_figures_unit((enum em_figures_kind)kind));
   const struct em_plot_mark mark = {target, true, "to be reached"};
   const struct em_plot plot = {.title = "Which speed gives the same impacts?",
@@ -260,7 +267,8 @@ static int run_with(struct point *point, const struct em_millpost_options *o, in
   qsort(point, (size_t)o->run_count, sizeof *point, by_speed);
   struct em_report *report = em_report_new("scale");
   const char *words = em_figures_words((enum em_figures_kind)kind);
-  while (*words == ' ') words++;
+  while (*words == ' ')
+    words++;
   em_report_fact_text(report, "match", "held fixed", "%s", words);
   em_report_fact_text(report, "reference", "reference", "%s, %g rpm", o->run[0], reference.rpm);
   em_report_fact(report, "target", "to be reached", target,
@@ -277,8 +285,10 @@ int em_millpost_scale(int argc, char **argv) {
   if (code >= 0) return code;
   const int kind = find_figure(o.match ? o.match : "median-vn");
   if (kind < 0)
-    return em_millpost_usage("scale", "unknown figure '%s', expected median-vn, rate-above or "
-                                      "another key of 'compare --json'", o.match);
+    return em_millpost_usage("scale",
+                             "unknown figure '%s', expected median-vn, rate-above or "
+                             "another key of 'compare --json'",
+                             o.match);
   if (!isnan(o.target) && !(o.target > 0.0))
     return em_millpost_usage("scale", "--target must be above 0");
   struct point *point = calloc((size_t)o.run_count, sizeof *point);

@@ -7,8 +7,8 @@
 #include "eventmill/plot.h"
 #include "eventmill/steady.h"
 #include "tool/millpost.h"
-#include "tool/window.h"
 #include "tool/trace.h"
+#include "tool/window.h"
 
 static const char *const option_names[] = {"to", "level", "output", ""};
 
@@ -50,8 +50,8 @@ static size_t flatten(struct em_trace *trace, const struct indicator *indicator)
   if (trace->count < 2) return 0;
   const size_t n = trace->count - 1;
   for (size_t k = 0; k < n; k++) {
-    const double growth = em_trace_sum(trace, k + 1, 0, trace->width) -
-                          em_trace_sum(trace, k, 0, trace->width);
+    const double growth =
+        em_trace_sum(trace, k + 1, 0, trace->width) - em_trace_sum(trace, k, 0, trace->width);
     trace->value[k] = growth / (trace->time[k + 1] - trace->time[k]);
   }
   return n;
@@ -85,8 +85,7 @@ static void row(struct em_report *report, const struct indicator *indicator,
 }
 
 static enum em_status table(struct em_report *report, const struct em_run_file *run,
-                            const struct em_window *all, double level,
-                            struct em_error *err) {
+                            const struct em_window *all, double level, struct em_error *err) {
   columns(report);
   int rows = 0;
   for (int k = 0; k < INDICATORS; k++) {
@@ -104,8 +103,7 @@ static enum em_status table(struct em_report *report, const struct em_run_file *
 }
 
 static enum em_status draw(const struct em_run_file *run, const struct em_window *all,
-                           const struct em_window *window, const char *path,
-                           struct em_error *err) {
+                           const struct em_window *window, const char *path, struct em_error *err) {
   struct em_trace trace;
   enum em_status status = em_trace_read(&trace, run, "median_speed", all, err);
   if (status != EM_OK) return status;

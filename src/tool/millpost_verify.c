@@ -22,10 +22,13 @@ static const struct em_millpost_help help = {
     .arguments = "RUN",
     .summary = "Holds a run against the laws of an ideal gas; exit code 3 when one is refuted.",
     .details =
-        "Speeds (Maxwell, with the parameter that the energy predicts), components (normal), positions\n"
-        "and impact points (uniform), relative speeds at collisions (4-D Maxwell), v_n (Rayleigh) and\n"
+        "Speeds (Maxwell, with the parameter that the energy predicts), components (normal), "
+        "positions\n"
+        "and impact points (uniform), relative speeds at collisions (4-D Maxwell), v_n (Rayleigh) "
+        "and\n"
         "impact parameters (linear) are tested by χ² and Kolmogorov-Smirnov. Values are taken far\n"
-        "enough apart to be independent. Laws of collisions need record.collisions=true. Where a law\n"
+        "enough apart to be independent. Laws of collisions need record.collisions=true. Where a "
+        "law\n"
         "need not hold (a turning rotor, ε < 1, places under gravity) that is said instead. With\n"
         "-o FILE.png a diagram per law is written: FILE-speed.png, ...",
     .examples = "  mill run geometries/ideal-gas.cfg record.collisions=true -o gas.h5\n"
@@ -64,7 +67,8 @@ static enum em_status test_values(struct em_goodness *chi2, struct em_goodness *
                                   size_t n) {
   double *u = malloc((n + 1) * sizeof *u);
   if (!u) return EM_MEMORY;
-  for (size_t i = 0; i < n; i++) u[i] = cdf_of(law, x[i]);
+  for (size_t i = 0; i < n; i++)
+    u[i] = cdf_of(law, x[i]);
   enum em_status status = em_goodness_chi2_uniform(chi2, u, n, 0, tie == EM_GAS_FREE ? 1 : 2);
   if (status == EM_OK && tie == EM_GAS_FREE)
     *ks = em_goodness_ks(u, n);
@@ -77,9 +81,11 @@ static enum em_status test_values(struct em_goodness *chi2, struct em_goodness *
 /* The parameter in m/s that a speed law should have for balls of one mass. */
 static double predicted(const struct em_gas *gas, enum em_gas_quantity q) {
   switch (em_gas_law(q)) {
-    case EM_DISTRIBUTION_LINEAR:
-    case EM_DISTRIBUTION_UNIFORM: return 1.0;
-    default: break;
+  case EM_DISTRIBUTION_LINEAR:
+  case EM_DISTRIBUTION_UNIFORM:
+    return 1.0;
+  default:
+    break;
   }
   return q == EM_GAS_RELATIVE || q == EM_GAS_VN ? M_SQRT2 * gas->sigma : gas->sigma;
 }
@@ -91,7 +97,8 @@ static double fitted(const struct em_gas *gas, enum em_gas_quantity q) {
   if (k == 0) return NAN;
   if (q >= EM_GAS_VX && q <= EM_GAS_VZ) return sqrt(gas->square[q - EM_GAS_VX] / n);
   double sum = 0.0;
-  for (size_t i = 0; i < gas->n[q]; i++) sum += gas->x[q][i] * gas->x[q][i];
+  for (size_t i = 0; i < gas->n[q]; i++)
+    sum += gas->x[q][i] * gas->x[q][i];
   return sqrt(sum / (n * k));
 }
 
@@ -129,8 +136,8 @@ static enum em_status value_row(struct trial *trial, enum em_gas_quantity q) {
 
 /* ---------------------------------------------------------------- isotropy, positions */
 
-/* Σ v_x², Σ v_y², Σ v_z² share the energy like a Dirichlet law with A = 3n/2: (A+1) Σ (s−⅓)²/⅓ is χ²
- * with 2 degrees of freedom. */
+/* Σ v_x², Σ v_y², Σ v_z² share the energy like a Dirichlet law with A = 3n/2: (A+1) Σ (s−⅓)²/⅓ is
+ * χ² with 2 degrees of freedom. */
 static void isotropy_row(struct trial *trial) {
   const struct em_gas *gas = trial->gas;
   const double *e = gas->square, sum = e[0] + e[1] + e[2];
@@ -193,7 +200,8 @@ static enum em_status test_all(struct trial *trial, bool velocities, bool places
     if (status != EM_OK) return status;
     if (q == EM_GAS_VZ) isotropy_row(trial);
   }
-  for (int w = 0; places && w < 3; w++) wave_row(trial, &trial->gas->waves[w]);
+  for (int w = 0; places && w < 3; w++)
+    wave_row(trial, &trial->gas->waves[w]);
   return EM_OK;
 }
 
@@ -242,27 +250,39 @@ static enum em_status draw_law(const struct em_run_file *run, const struct em_ga
   size_t bins = em_histogram_default_bins((double)gas->n[q], 120);
   struct em_histogram *h = em_histogram_new(bins, a * low, a * high);
   if (!h) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  for (size_t i = 0; i < gas->n[q]; i++) em_histogram_add(h, a * gas->x[q][i], 1.0);
+  for (size_t i = 0; i < gas->n[q]; i++)
+    em_histogram_add(h, a * gas->x[q][i], 1.0);
   double *y = calloc(bins, sizeof *y), x[POINTS], f[POINTS];
-  for (size_t k = 0; y && k < bins; k++) y[k] = em_histogram_density(h, k);
+  for (size_t k = 0; y && k < bins; k++)
+    y[k] = em_histogram_density(h, k);
   for (int k = 0; k < POINTS; k++) {
     x[k] = a * (low + (high - low) * k / (POINTS - 1.0));
     f[k] = em_distribution_pdf(law, a, x[k]);
   }
   const struct em_plot_series series[] = {
       {.name = "simulated", .style = EM_PLOT_STEPS, .count = bins, .x = h->edge, .y = y},
-      {.name = em_distribution_name(law), .style = EM_PLOT_DASHED, .count = POINTS, .x = x, .y = f}};
+      {.name = em_distribution_name(law),
+       .style = EM_PLOT_DASHED,
+       .count = POINTS,
+       .x = x,
+       .y = f}};
   char path[EM_SCENE_PATH], title[160], subtitle[256], label[160];
   path_of(path, sizeof path, out, em_gas_key(q));
   em_plot_subtitle(em_run_file_scene(run), subtitle, sizeof subtitle);
   snprintf(title, sizeof title, "Distribution: %s", em_gas_words(q));
   snprintf(label, sizeof label, "%s  [%s]", em_gas_words(q),
-           !speed ? "share of its range" : isnan(gas->sigma) ? "√(kT/m)" : "m/s");
-  const struct em_plot plot = {.title = title, .subtitle = subtitle, .x_label = label,
-                               .y_label = speed && !isnan(gas->sigma) ? "density  [s/m]" : "density",
-                               .series_count = 2, .series = series};
-  const enum em_status status = y ? em_plot_draw(&plot, path, err)
-                                  : em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+           !speed              ? "share of its range"
+           : isnan(gas->sigma) ? "√(kT/m)"
+                               : "m/s");
+  const struct em_plot plot = {.title = title,
+                               .subtitle = subtitle,
+                               .x_label = label,
+                               .y_label =
+                                   speed && !isnan(gas->sigma) ? "density  [s/m]" : "density",
+                               .series_count = 2,
+                               .series = series};
+  const enum em_status status =
+      y ? em_plot_draw(&plot, path, err) : em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   free(y);
   em_histogram_free(h);
   return status;
@@ -272,8 +292,7 @@ static enum em_status draw_all(const struct em_run_file *run, const struct em_ga
                                const char *out, struct em_error *err) {
   enum em_status status = EM_OK;
   for (int q = 0; q < EM_GAS_COUNT && status == EM_OK; q++)
-    if (gas->n[q] >= LEAST_VALUES)
-      status = draw_law(run, gas, (enum em_gas_quantity)q, out, err);
+    if (gas->n[q] >= LEAST_VALUES) status = draw_law(run, gas, (enum em_gas_quantity)q, out, err);
   return status;
 }
 
@@ -285,8 +304,8 @@ static void facts(struct em_report *report, const struct em_gas *gas) {
   em_report_fact(report, "sigma", "σ of a velocity component", gas->sigma, "m/s");
   em_report_fact_count(report, "frames", "frames, far apart", gas->frames);
   em_report_fact_count(report, "windows", "windows of collisions, far apart", gas->windows);
-  em_report_fact(report, "energy_drift", "largest relative change of the energy",
-                 gas->energy_drift, "");
+  em_report_fact(report, "energy_drift", "largest relative change of the energy", gas->energy_drift,
+                 "");
 }
 
 static int run_with(const struct em_run_file *run, const struct em_millpost_options *o) {
@@ -298,8 +317,7 @@ static int run_with(const struct em_run_file *run, const struct em_millpost_opti
   em_report_fact_text(report, "run", "run", "%s", o->run[0]);
   if (*no_velocities)
     em_report_note(report, "The laws of velocities need not hold here: %s.", no_velocities);
-  if (*no_places)
-    em_report_note(report, "The laws of places need not hold here: %s.", no_places);
+  if (*no_places) em_report_note(report, "The laws of places need not hold here: %s.", no_places);
   if (!velocities && !places) {
     em_report_fact_text(report, "verdict", "verdict", "no law applies");
     return em_millpost_print(report, o, EM_MILLPOST_DONE);

@@ -80,7 +80,8 @@ static void free_part(struct part *part) {
     free(part->column[k].heading);
     free(part->column[k].unit);
   }
-  for (size_t k = 0; k < part->cells; k++) free(part->cell[k].text);
+  for (size_t k = 0; k < part->cells; k++)
+    free(part->cell[k].text);
   free(part->column);
   free(part->cell);
   free(part->key);
@@ -95,8 +96,10 @@ void em_report_free(struct em_report *report) {
     free(report->fact[k].unit);
     free(report->fact[k].cell.text);
   }
-  for (size_t k = 0; k < report->parts; k++) free_part(&report->part[k]);
-  for (size_t k = 0; k < report->notes; k++) free(report->note[k]);
+  for (size_t k = 0; k < report->parts; k++)
+    free_part(&report->part[k]);
+  for (size_t k = 0; k < report->notes; k++)
+    free(report->note[k]);
   free(report->fact);
   free(report->part);
   free(report->note);
@@ -113,24 +116,24 @@ static void add_fact(struct em_report *report, const char *key, const char *labe
 }
 
 void em_report_fact(struct em_report *report, const char *key, const char *label, double value,
-                   const char *unit) {
+                    const char *unit) {
   add_fact(report, key, label, unit, (struct cell){.kind = NUMBER, .value = value});
 }
 
 void em_report_fact_count(struct em_report *report, const char *key, const char *label,
-                         uint64_t value) {
+                          uint64_t value) {
   add_fact(report, key, label, "", (struct cell){.kind = COUNT, .count = value});
 }
 
 void em_report_fact_interval(struct em_report *report, const char *key, const char *label,
-                            const struct em_interval *value, const char *unit) {
-  add_fact(report, key, label, unit,
-           (struct cell){.kind = NUMBER, .value = value->value, .half = value->half,
-                         .has_half = true});
+                             const struct em_interval *value, const char *unit) {
+  add_fact(
+      report, key, label, unit,
+      (struct cell){.kind = NUMBER, .value = value->value, .half = value->half, .has_half = true});
 }
 
 void em_report_fact_text(struct em_report *report, const char *key, const char *label,
-                        const char *format, ...) {
+                         const char *format, ...) {
   va_list args;
   va_start(args, format);
   add_fact(report, key, label, "", (struct cell){.kind = TEXT, .text = formatted(format, args)});
@@ -149,11 +152,10 @@ static struct part *current(struct em_report *report) {
 }
 
 void em_report_column(struct em_report *report, const char *key, const char *heading,
-                     const char *unit) {
+                      const char *unit) {
   struct part *part = current(report);
   part->column = more(part->column, part->columns, sizeof *part->column);
-  part->column[part->columns++] =
-      (struct column){copy(key), copy(heading), copy(unit), false};
+  part->column[part->columns++] = (struct column){copy(key), copy(heading), copy(unit), false};
 }
 
 static void add_cell(struct em_report *report, struct cell cell) {
@@ -183,13 +185,15 @@ void em_report_count(struct em_report *report, uint64_t value) {
 }
 
 void em_report_interval(struct em_report *report, const struct em_interval *value) {
-  add_cell(report, (struct cell){.kind = NUMBER, .value = value->value, .half = value->half,
-                                .has_half = true});
+  add_cell(
+      report,
+      (struct cell){.kind = NUMBER, .value = value->value, .half = value->half, .has_half = true});
 }
 
 void em_report_percent_interval(struct em_report *report, const struct em_interval *share) {
-  add_cell(report, (struct cell){.kind = PERCENT, .value = share->value, .half = share->half,
-                                .has_half = true});
+  add_cell(
+      report,
+      (struct cell){.kind = PERCENT, .value = share->value, .half = share->half, .has_half = true});
 }
 
 void em_report_blank(struct em_report *report) {
@@ -209,12 +213,14 @@ void em_report_note(struct em_report *report, const char *format, ...) {
 /* Columns of a terminal that a UTF-8 text takes (all our characters are one wide). */
 static int width_of(const char *text) {
   int width = 0;
-  for (; *text; text++) width += ((unsigned char)*text & 0xC0) != 0x80;
+  for (; *text; text++)
+    width += ((unsigned char)*text & 0xC0) != 0x80;
   return width;
 }
 
 static void pad(FILE *out, int count) {
-  for (int k = 0; k < count; k++) fputc(' ', out);
+  for (int k = 0; k < count; k++)
+    fputc(' ', out);
 }
 
 /* value ± half with two digits of half, both with the same number of decimals. */
@@ -239,11 +245,18 @@ static void show(char *text, size_t size, const struct cell *cell) {
   const char *end = cell->kind == PERCENT ? " %" : "";
   char number[96] = "-";
   switch (cell->kind) {
-    case TEXT: snprintf(text, size, "%s", cell->text); return;
-    case COUNT: snprintf(text, size, "%llu", (unsigned long long)cell->count); return;
-    case BLANK: snprintf(text, size, "-"); return;
-    case NUMBER:
-    case PERCENT: break;
+  case TEXT:
+    snprintf(text, size, "%s", cell->text);
+    return;
+  case COUNT:
+    snprintf(text, size, "%llu", (unsigned long long)cell->count);
+    return;
+  case BLANK:
+    snprintf(text, size, "-");
+    return;
+  case NUMBER:
+  case PERCENT:
+    break;
   }
   if (isnan(cell->value)) {
     snprintf(text, size, "-");
@@ -314,7 +327,8 @@ static void print_text(const struct em_report *report, FILE *out) {
     print_part_text(&report->part[k], out);
   }
   if (report->notes > 0 && (report->parts > 0 || report->facts > 0)) fputc('\n', out);
-  for (size_t k = 0; k < report->notes; k++) fprintf(out, "%s\n", report->note[k]);
+  for (size_t k = 0; k < report->notes; k++)
+    fprintf(out, "%s\n", report->note[k]);
 }
 
 /* ---------------------------------------------------------------- CSV */
@@ -383,7 +397,8 @@ static void print_csv(const struct em_report *report, FILE *out) {
     if (report->parts > 1) fprintf(out, "# %s\n", report->part[k].key);
     print_part_csv(&report->part[k], out);
   }
-  for (size_t k = 0; k < report->notes; k++) fprintf(out, "# %s\n", report->note[k]);
+  for (size_t k = 0; k < report->notes; k++)
+    fprintf(out, "# %s\n", report->note[k]);
 }
 
 /* ---------------------------------------------------------------- JSON */
@@ -415,11 +430,19 @@ static void json_entry(const char *key, const struct cell *cell, FILE *out) {
   json_text(key, out);
   fputs(": ", out);
   switch (cell->kind) {
-    case TEXT: json_text(cell->text, out); break;
-    case COUNT: fprintf(out, "%llu", (unsigned long long)cell->count); break;
-    case BLANK: fputs("null", out); break;
-    case NUMBER:
-    case PERCENT: json_number(cell->value, out); break;
+  case TEXT:
+    json_text(cell->text, out);
+    break;
+  case COUNT:
+    fprintf(out, "%llu", (unsigned long long)cell->count);
+    break;
+  case BLANK:
+    fputs("null", out);
+    break;
+  case NUMBER:
+  case PERCENT:
+    json_number(cell->value, out);
+    break;
   }
   if (!cell->has_half) return;
   fputs(", ", out);
@@ -451,7 +474,8 @@ static void print_json(const struct em_report *report, FILE *out) {
     fputs(",\n  ", out);
     json_entry(report->fact[k].key, &report->fact[k].cell, out);
   }
-  for (size_t k = 0; k < report->parts; k++) print_part_json(&report->part[k], out);
+  for (size_t k = 0; k < report->parts; k++)
+    print_part_json(&report->part[k], out);
   fputs(",\n  \"units\": {", out);
   const char *between = "";
   for (size_t k = 0; k < report->facts; k++) {
@@ -482,8 +506,8 @@ static void print_json(const struct em_report *report, FILE *out) {
   fputs("]\n}\n", out);
 }
 
-enum em_status em_report_print(const struct em_report *report, enum em_report_format format, FILE *out,
-                              struct em_error *err) {
+enum em_status em_report_print(const struct em_report *report, enum em_report_format format,
+                               FILE *out, struct em_error *err) {
   if (format == EM_REPORT_TEXT) print_text(report, out);
   if (format == EM_REPORT_CSV) print_csv(report, out);
   if (format == EM_REPORT_JSON) print_json(report, out);

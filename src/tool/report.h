@@ -21,24 +21,25 @@ void em_report_free(struct em_report *report);
 
 /* A fact: key for JSON ("from_time"), label for people, unit "" for none. */
 void em_report_fact(struct em_report *report, const char *key, const char *label, double value,
-                   const char *unit);
+                    const char *unit);
 void em_report_fact_count(struct em_report *report, const char *key, const char *label,
-                         uint64_t value);
+                          uint64_t value);
 void em_report_fact_text(struct em_report *report, const char *key, const char *label,
-                        const char *format, ...) __attribute__((format(printf, 4, 5)));
+                         const char *format, ...) __attribute__((format(printf, 4, 5)));
 void em_report_fact_interval(struct em_report *report, const char *key, const char *label,
-                            const struct em_interval *value, const char *unit);
+                             const struct em_interval *value, const char *unit);
 
 /* Begins a table; title NULL: none is printed. */
 void em_report_begin(struct em_report *report, const char *key, const char *title);
 /* A column of the current table, before its first cell. */
 void em_report_column(struct em_report *report, const char *key, const char *heading,
-                     const char *unit);
+                      const char *unit);
 
 void em_report_text(struct em_report *report, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-void em_report_number(struct em_report *report, double value);  /* 5 significant digits */
-void em_report_percent(struct em_report *report, double share); /* shown as 12.3 %; CSV, JSON: share */
+void em_report_number(struct em_report *report, double value); /* 5 significant digits */
+void em_report_percent(struct em_report *report,
+                       double share); /* shown as 12.3 %; CSV, JSON: share */
 void em_report_count(struct em_report *report, uint64_t value);
 /* value ± half, shown to two digits of half. */
 void em_report_interval(struct em_report *report, const struct em_interval *value);
@@ -50,7 +51,7 @@ void em_report_note(struct em_report *report, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* Errors: EM_FILE. */
-enum em_status em_report_print(const struct em_report *report, enum em_report_format format, FILE *out,
-                              struct em_error *err);
+enum em_status em_report_print(const struct em_report *report, enum em_report_format format,
+                               FILE *out, struct em_error *err);
 
 #endif

@@ -15,8 +15,10 @@ enum em_status em_trace_read(struct em_trace *trace, const struct em_run_file *r
   if (status != EM_OK) return status;
   const double slack = 1e-9 * (window->to - window->from);
   size_t first = 0, end = series->count;
-  while (first < end && series->time[first] < window->from - slack) first++;
-  while (end > first && series->time[end - 1] > window->to + slack) end--;
+  while (first < end && series->time[first] < window->from - slack)
+    first++;
+  while (end > first && series->time[end - 1] > window->to + slack)
+    end--;
   const size_t cells = (end - first) * series->width;
   trace->time = malloc((end - first + 1) * sizeof *trace->time);
   trace->value = malloc((cells + 1) * sizeof *trace->value);
@@ -75,6 +77,7 @@ struct em_interval em_trace_rate_interval(const struct em_trace *trace, size_t f
 
 struct em_interval em_trace_mean(const struct em_trace *trace, size_t j, double level) {
   double *x = trace->count > 0 ? malloc(trace->count * sizeof *x) : NULL;
-  for (size_t k = 0; x && k < trace->count; k++) x[k] = trace->value[k * trace->width + j];
+  for (size_t k = 0; x && k < trace->count; k++)
+    x[k] = trace->value[k * trace->width + j];
   return of_series(x, trace->count, level);
 }

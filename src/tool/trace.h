@@ -11,12 +11,12 @@
 /* count samples of width numbers; value[k * width + j]. */
 struct em_trace {
   size_t count, width;
-  double *time;  /* s */
+  double *time; /* s */
   double *value;
 };
 
-/* The samples of an observable in the window. A run without it gives count = 0. Errors: EM_MEMORY and
- * those of reading. */
+/* The samples of an observable in the window. A run without it gives count = 0. Errors: EM_MEMORY
+ * and those of reading. */
 enum em_status em_trace_read(struct em_trace *trace, const struct em_run_file *run,
                              const char *name, const struct em_window *window,
                              struct em_error *err);

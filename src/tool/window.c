@@ -14,8 +14,8 @@ static void rule_of_thumb(struct em_window *window, const char *why) {
   snprintf(window->how, sizeof window->how, "%s: 0.2 s, or half of a shorter run", why);
 }
 
-static enum em_status find_steady(struct em_window *window,
-                                  const struct em_run_file *run, struct em_error *err) {
+static enum em_status find_steady(struct em_window *window, const struct em_run_file *run,
+                                  struct em_error *err) {
   if (!em_run_file_has(run, "median_speed")) {
     rule_of_thumb(window, "no observables");
     return EM_OK;
@@ -24,7 +24,8 @@ static enum em_status find_steady(struct em_window *window,
   const enum em_status status = em_run_file_series(run, "median_speed", &series, err);
   if (status != EM_OK) return status;
   size_t count = series->count;
-  while (count > 0 && series->time[count - 1] > window->to) count--;
+  while (count > 0 && series->time[count - 1] > window->to)
+    count--;
   if (count < LEAST_VALUES) {
     rule_of_thumb(window, "too few observables");
   } else {
@@ -42,8 +43,8 @@ static enum em_status find_steady(struct em_window *window,
   return EM_OK;
 }
 
-enum em_status em_window_find(struct em_window *window, const struct em_run_file *run,
-                                  double from, double to, struct em_error *err) {
+enum em_status em_window_find(struct em_window *window, const struct em_run_file *run, double from,
+                              double to, struct em_error *err) {
   const double end = em_run_file_state(run)->time;
   *window = (struct em_window){.geweke_p = NAN, .how = "as given"};
   window->to = isnan(to) || to > end ? end : to;

@@ -19,8 +19,8 @@ struct em_window {
 
 /* From `from` (NAN: steady start) to `to` (NAN: end of the run). Errors: EM_INPUT for an empty
  * window, and those of reading. */
-enum em_status em_window_find(struct em_window *window, const struct em_run_file *run,
-                                  double from, double to, struct em_error *err);
+enum em_status em_window_find(struct em_window *window, const struct em_run_file *run, double from,
+                              double to, struct em_error *err);
 
 /* Adds the window's facts to a report. */
 void em_window_report(struct em_report *report, const struct em_window *window);

@@ -30,7 +30,8 @@ static void area_is_one(void **state) {
                               em_histogram_new_edges(3, (double[]){-10.0, -1.0, 0.5, 10.0})};
   for (int i = 0; i < 20000; i++) {
     const double x = gsl_ran_ugaussian(rng);
-    for (int k = 0; k < 3; k++) em_histogram_add(h[k], x, 1.0);
+    for (int k = 0; k < 3; k++)
+      em_histogram_add(h[k], x, 1.0);
   }
   for (int k = 0; k < 3; k++) {
     assert_near(area(h[k]), 1.0, 1e-12);
@@ -47,10 +48,10 @@ static void area_is_one(void **state) {
 static void bins_hold_their_values(void **state) {
   (void)state;
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
-  struct em_histogram *h[] = {
-      em_histogram_new(1000, 0.1, 0.7), em_histogram_new_octaves(64, -30, 40, false),
-      em_histogram_new_octaves(7, -3, 5, true),
-      em_histogram_new_edges(4, (double[]){-1.0, 0.0, 0.01, 3.0, 4.0})};
+  struct em_histogram *h[] = {em_histogram_new(1000, 0.1, 0.7),
+                              em_histogram_new_octaves(64, -30, 40, false),
+                              em_histogram_new_octaves(7, -3, 5, true),
+                              em_histogram_new_edges(4, (double[]){-1.0, 0.0, 0.01, 3.0, 4.0})};
   for (int k = 0; k < 4; k++) {
     for (size_t j = 0; j < h[k]->bins; j++) { /* an edge opens its own bin, except mirrored ones */
       assert_true(h[k]->edge[j] < h[k]->edge[j + 1]);
@@ -151,8 +152,7 @@ static void laws_integrate(void **state) {
       const double x = low + (i + 0.5) * dx, f = em_distribution_pdf(law, a, x);
       sum += f * dx;
       square += f * dx * x * x;
-      if (i % 5000 == 0)
-        assert_near(sum, em_distribution_cdf(law, a, x + 0.5 * dx), 1e-8);
+      if (i % 5000 == 0) assert_near(sum, em_distribution_cdf(law, a, x + 0.5 * dx), 1e-8);
     }
     assert_near(sum, 1.0, 1e-8);
     const int k = em_distribution_freedom(law);
@@ -164,9 +164,12 @@ static void laws_integrate(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(area_is_one),          cmocka_unit_test(bins_hold_their_values),
-      cmocka_unit_test(quantiles_agree_with_sorting), cmocka_unit_test(modes_are_found),
-      cmocka_unit_test(empty_and_odd_input),  cmocka_unit_test(laws_integrate),
+      cmocka_unit_test(area_is_one),
+      cmocka_unit_test(bins_hold_their_values),
+      cmocka_unit_test(quantiles_agree_with_sorting),
+      cmocka_unit_test(modes_are_found),
+      cmocka_unit_test(empty_and_odd_input),
+      cmocka_unit_test(laws_integrate),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

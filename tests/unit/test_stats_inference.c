@@ -98,7 +98,8 @@ static void jackknife_covers(void **state) {
   enum { BLOCKS = 64, EACH = 500, RUNS = 120 };
   struct em_histogram *block[BLOCKS];
   double weight[BLOCKS], level[BLOCKS];
-  for (int b = 0; b < BLOCKS; b++) block[b] = em_histogram_new_octaves(64, -10, 14, false);
+  for (int b = 0; b < BLOCKS; b++)
+    block[b] = em_histogram_new_octaves(64, -10, 14, false);
   int inside[2] = {0, 0}, naive = 0;
   gsl_rng_set(rng, 11);
   for (int r = 0; r < RUNS; r++) {
@@ -123,14 +124,14 @@ static void jackknife_covers(void **state) {
   assert_in_range(inside[0], 0.88 * RUNS, RUNS);
   assert_in_range(inside[1], 0.88 * RUNS, RUNS);
   assert_true(naive < 0.75 * RUNS);
-  for (int b = 0; b < BLOCKS; b++) em_histogram_free(block[b]);
+  for (int b = 0; b < BLOCKS; b++)
+    em_histogram_free(block[b]);
 }
 
 static void differences(void **state) {
   (void)state;
   const struct em_interval a = {1.0, 0.0, 0.1, 1e9, 1.0}, b = {1.3, 0.0, 0.1, 1e9, 1.0};
-  assert_near(em_interval_difference(&a, &b), 2.0 * gsl_cdf_ugaussian_Q(0.3 / sqrt(0.02)),
-                     1e-6);
+  assert_near(em_interval_difference(&a, &b), 2.0 * gsl_cdf_ugaussian_Q(0.3 / sqrt(0.02)), 1e-6);
   assert_near(em_interval_difference(&a, &a), 1.0, 1e-12);
   const struct em_interval unknown = {1.0, NAN, NAN, 0.0, 1.0};
   assert_true(isnan(em_interval_difference(&a, &unknown)));
@@ -170,7 +171,8 @@ static void mser_keeps_noise_and_refuses_drift(void **state) {
     early += em_steady_find(x, N).start <= N / 4;
   }
   assert_true(early >= 85);
-  for (int i = 0; i < N; i++) x[i] = 0.01 * i + 0.05 * gsl_ran_ugaussian(rng);
+  for (int i = 0; i < N; i++)
+    x[i] = 0.01 * i + 0.05 * gsl_ran_ugaussian(rng);
   assert_true(!em_steady_find(x, N).found || fabs(em_steady_find(x, N).geweke) > 5.0);
   assert_int_equal(em_steady_mser(x, 0), 0);
   assert_true(isnan(em_steady_find(x, 3).geweke));
@@ -207,7 +209,8 @@ static void p_values_are_uniform(void **state) {
   for (int law = 0; law < EM_DISTRIBUTION_COUNT; law++) {
     for (unsigned seed = 0; seed < SEEDS; seed++) {
       gsl_rng_set(rng, 100 + seed);
-      for (int i = 0; i < N; i++) u[i] = em_distribution_cdf(law, 1.7, draw(law, 1.7));
+      for (int i = 0; i < N; i++)
+        u[i] = em_distribution_cdf(law, 1.7, draw(law, 1.7));
       struct em_goodness g;
       assert_int_equal(em_goodness_chi2_uniform(&g, u, N, 0, 1), EM_OK);
       chi2[seed] = g.p;
@@ -215,7 +218,8 @@ static void p_values_are_uniform(void **state) {
     }
     assert_true(em_goodness_ks(ks, SEEDS).p > 0.01);
     assert_true(em_goodness_ks(chi2, SEEDS).p > 0.01);
-    for (int i = 0; i < N; i++) u[i] = em_distribution_cdf(law, 2.0, draw(law, 1.7));
+    for (int i = 0; i < N; i++)
+      u[i] = em_distribution_cdf(law, 2.0, draw(law, 1.7));
     struct em_goodness g;
     assert_int_equal(em_goodness_chi2_uniform(&g, u, N, 0, 1), EM_OK);
     const double p = em_goodness_ks(u, N).p;
@@ -239,7 +243,8 @@ static void tied_p_values_are_uniform(void **state) {
         sum += x[i] * x[i];
       }
       const double a = sqrt(sum / (N * em_distribution_freedom(laws[l])));
-      for (int i = 0; i < N; i++) x[i] = em_distribution_cdf(laws[l], a, x[i]);
+      for (int i = 0; i < N; i++)
+        x[i] = em_distribution_cdf(laws[l], a, x[i]);
       struct em_goodness g;
       assert_int_equal(em_goodness_chi2_uniform(&g, x, N, 0, 2), EM_OK);
       chi2[seed] = g.p;
@@ -274,12 +279,15 @@ static void two_samples(void **state) {
   static double a[N], b[M], p[SEEDS];
   for (unsigned seed = 0; seed < SEEDS; seed++) {
     gsl_rng_set(rng, 40 + seed);
-    for (int i = 0; i < N; i++) a[i] = gsl_ran_ugaussian(rng);
-    for (int i = 0; i < M; i++) b[i] = gsl_ran_ugaussian(rng);
+    for (int i = 0; i < N; i++)
+      a[i] = gsl_ran_ugaussian(rng);
+    for (int i = 0; i < M; i++)
+      b[i] = gsl_ran_ugaussian(rng);
     p[seed] = em_goodness_ks_two(a, N, b, M).p;
   }
   assert_true(em_goodness_ks(p, SEEDS).p > 0.01);
-  for (int i = 0; i < M; i++) b[i] += 0.4;
+  for (int i = 0; i < M; i++)
+    b[i] += 0.4;
   assert_true(em_goodness_ks_two(a, N, b, M).p < 1e-4);
 }
 
@@ -306,13 +314,17 @@ static void fit_recovers_parameters(void **state) {
     assert_int_equal(em_fit_curve(&fit, &model, N, v, e, start, NULL), EM_OK);
     assert_true(fit.converged);
     assert_near(fit.sigma, 0.02, 0.004);
-    for (int k = 0; k < 3; k++) inside[k] += fabs(fit.p[k] - truth[k]) <= 1.97 * fit.error[k];
+    for (int k = 0; k < 3; k++)
+      inside[k] += fabs(fit.p[k] - truth[k]) <= 1.97 * fit.error[k];
   }
-  for (int k = 0; k < 3; k++) assert_in_range(inside[k], 0.85 * RUNS, RUNS);
-  for (int i = 0; i < N; i++) e[i] = spahn(v[i], truth, NULL);
+  for (int k = 0; k < 3; k++)
+    assert_in_range(inside[k], 0.85 * RUNS, RUNS);
+  for (int i = 0; i < N; i++)
+    e[i] = spahn(v[i], truth, NULL);
   struct em_fit fit;
   assert_int_equal(em_fit_curve(&fit, &model, N, v, e, start, NULL), EM_OK);
-  for (int k = 0; k < 3; k++) assert_near(fit.p[k], truth[k], 1e-6);
+  for (int k = 0; k < 3; k++)
+    assert_near(fit.p[k], truth[k], 1e-6);
 }
 
 static void fits_refuse_nonsense(void **state) {
