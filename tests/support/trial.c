@@ -181,6 +181,11 @@ struct em_vec dice_direction(uint64_t *seed) {
   return em_vec_make(s * cos(phi), s * sin(phi), z);
 }
 
+uint64_t hard_tries(double many) {
+  const char *factor = getenv("EVENTMILL_TRIES");
+  return (uint64_t)(many * (factor ? atof(factor) : 1.0));
+}
+
 void hard_row(const char *name, const char *hard, double tries, const char *checked,
               const char *worst, ...) {
   char text[256];

@@ -52,6 +52,15 @@ double dice_in(uint64_t *seed, double low, double high);
 double dice_power(uint64_t *seed, double low, double high); /* uniform in the logarithm */
 struct em_vec dice_direction(uint64_t *seed);
 
+/* How often a hard case is tried: few times, or, in the long form of a program (LONG_FORM), many times,
+ * multiplied by the environment's EVENTMILL_TRIES. */
+#ifdef LONG_FORM
+#define TRIES(few, many) hard_tries(many)
+#else
+#define TRIES(few, many) ((uint64_t)(few))
+#endif
+uint64_t hard_tries(double many);
+
 /* One line of the table of hard cases. */
 void hard_row(const char *name, const char *hard, double tries, const char *checked,
               const char *worst, ...) __attribute__((format(printf, 5, 6)));

@@ -1,0 +1,3 @@
+/* The long form of test_roots.c. */
+#define LONG_FORM
+#include "test_roots.c"
