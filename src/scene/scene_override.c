@@ -345,14 +345,16 @@ static void apply(const struct override *o, config_t *tree) {
   int type = config_setting_type(o->value);
   bool integer = type == CONFIG_TYPE_INT || type == CONFIG_TYPE_INT64;
   int k = rpm_index(o->path);
-  if (k >= -1 && k < length_of(rotors) && isfinite(number_of(o->value, NAN))) {
+  if (k >= -1 && (k < 0 ? 0 : k) < length_of(rotors) && isfinite(number_of(o->value, NAN))) {
     if (k < 0)
       set_all_rpm(o, rotors);
     else if (group_of(rotors, k))
       set_rpm(o, group_of(rotors, k), number_of(o->value, NAN));
-  } else if (strcmp(o->path, "balls.count") == 0 && length_of(balls) > 1 && integer &&
-             number_of(o->value, -1.0) >= 0.0) {
-    set_all_counts(o, balls);
+  } else if (strcmp(o->path, "balls.count") == 0 && length_of(balls) > 1) {
+    if (integer && number_of(o->value, -1.0) >= 0.0)
+      set_all_counts(o, balls);
+    else
+      complain(o, "expected an integer not below 0");
   } else {
     descend(o, root, o->path);
     drop_own(o, tree);

@@ -78,12 +78,15 @@ static size_t comment_length(const char *at) {
   return end ? (size_t)(end - at) + 2 : strlen(at);
 }
 
-/* Length of the string that begins here with its quotes. */
-static size_t string_length(const char *at) {
+/* Copies a string with its quotes. */
+static enum em_status pass_string(struct cursor *c) {
   size_t k = 1;
-  while (at[k] && at[k] != '"')
-    k += at[k] == '\\' && at[k + 1] ? 2 : 1;
-  return at[k] ? k + 1 : k;
+  while (c->at[k] && c->at[k] != '"')
+    k += c->at[k] == '\\' && c->at[k + 1] ? 2 : 1;
+  if (!c->at[k])
+    return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                        "the string that begins here has no end, expected \"");
+  return pass(c, k + 1);
 }
 
 static bool is_word(char c) {
@@ -142,11 +145,11 @@ static bool begins_line(const struct cursor *c, const char *start) {
 
 /* Copies the included file in place of its directive. */
 static enum em_status include(struct cursor *c, const char *start) {
-  const char *name = c->at + strlen("@include");
-  name += strspn(name, " \t");
+  size_t word_length = strlen("@include");
+  bool good = strncmp(c->at, "@include", word_length) == 0 && begins_line(c, start);
+  const char *name = good ? c->at + word_length + strspn(c->at + word_length, " \t") : "";
   size_t n = *name == '"' ? strcspn(name + 1, "\"\n") : 0;
-  if (strncmp(c->at, "@include", strlen("@include")) != 0 || n == 0 || name[n + 1] != '"' ||
-      !begins_line(c, start))
+  if (n == 0 || name[n + 1] != '"')
     return em_error_set(c->err, EM_INPUT, c->file, c->line,
                         "\"@\", expected @include \"FILE\" at the beginning of a line");
   if (c->depth == INCLUDES)
@@ -186,7 +189,7 @@ static enum em_status copy_file(struct cursor *c) {
     if (n > 0)
       status = pass(c, n);
     else if (*c->at == '"')
-      status = pass(c, string_length(c->at));
+      status = pass_string(c);
     else if (strchr("[](){}", *c->at))
       status = pass_bracket(c);
     else if (*c->at == '@')

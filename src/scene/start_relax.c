@@ -68,11 +68,14 @@ static bool wake(void *self, size_t k) {
   return true;
 }
 
+/* A range without extent gives its middle. */
 static double clamp(double x, double low, double high) {
+  if (low > high)
+    return 0.5 * (low + high);
   return x < low ? low : x > high ? high : x;
 }
 
-/* Moves a position into its species' box and the drum. */
+/* Moves a position into its species' box and the drum; one that is there keeps its bits. */
 static struct em_vec inside(const struct em_start_field *f, struct em_vec r, double radius,
                             struct em_vec low, struct em_vec high) {
   r = em_start_field_wrap(f, r);
@@ -84,29 +87,30 @@ static struct em_vec inside(const struct em_start_field *f, struct em_vec r, dou
     return r;
   double rho = 0.5 * f->scene->chamber.diameter - radius - in, s = hypot(r.x, r.z);
   if (s > rho) {
-    r.x *= rho / s;
-    r.z *= rho / s;
+    double shrink = (rho - in) / s;
+    r.x *= shrink;
+    r.z *= shrink;
   }
   return r;
 }
 
-/* Moves a ball out of what it overlaps; true when it had to be moved. */
+/* Moves a ball out of what it overlaps and back to where it may be; true when it had to be moved. */
 static bool push_ball(struct pushing *all, size_t k) {
   struct em_start_field *f = all->field;
-  struct em_vec low, high, r = f->balls->position[k];
+  struct em_vec low, high, r = em_start_field_wrap(f, f->balls->position[k]);
   double radius = f->balls->radius[k], in = EM_START_CLEARANCE * radius;
   struct pushed p = {.all = all, .r = r, .radius = radius, .self = k};
   em_start_field_each(f, r, push_from, &p);
   const struct em_blade *blade = NULL;
   double gap = em_start_field_blade_gap(f, p.r, radius, &blade);
-  if (!p.overlaps && gap >= in && em_start_field_wall_gap(f, r, radius) >= in)
-    return false;
   if (gap < in)
     p.r = em_vec_axpy(p.r, ROOM * radius - gap,
                       em_surface_blade_normal(blade, p.r, blade->angle));
   em_start_place_box(f, &f->scene->species[f->balls->species[k]], &low, &high);
   p.r = inside(f, p.r, radius, low, high);
   f->balls->position[k] = p.r;
+  if (!p.overlaps && p.r.x == r.x && p.r.y == r.y && p.r.z == r.z)
+    return false;
   all->next[k] = true;
   em_start_field_each(f, p.r, wake, &p);
   return true;

@@ -45,6 +45,8 @@ static void syntax(void **state) {
       {"\n}", "bad.cfg:2: error: \"}\" closes nothing"},
       {"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[",
        "bad.cfg:1: error: nested too deeply, expected at most 64 brackets"},
+      {"\ntitle = \"no end\n;\n",
+       "bad.cfg:2: error: the string that begins here has no end, expected \""},
       {"a = @b;", "bad.cfg:1: error: \"@\", expected @include \"FILE\" at the beginning of a line"},
       {"@include \"x", "bad.cfg:1: error: \"@\", expected @include \"FILE\""},
   };
