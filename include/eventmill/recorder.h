@@ -13,24 +13,24 @@
 
 /* What is known while a run goes on. */
 struct em_recorder_progress {
-  double time, from, duration;      /* s, simulated: now, begin of this session, end */
-  double wall;                      /* s since this session began */
-  uint64_t collisions, at_begin;    /* since the start; at the begin of this session */
+  double time, from, duration;   /* s, simulated: now, begin of this session, end */
+  double wall;                   /* s since this session began */
+  uint64_t collisions, at_begin; /* since the start; at the begin of this session */
 };
 
 struct em_recorder_options {
-  const char *path;    /* the run file; NULL: none is written */
-  bool resume;         /* go on from the checkpoint in `path`, if that file exists */
-  bool force;          /* replace an existing file */
-  const char *command; /* command line, for the provenance; may be NULL */
+  const char *path;                  /* the run file; NULL: none is written */
+  bool resume;                       /* go on from the checkpoint in `path`, if that file exists */
+  bool force;                        /* replace an existing file */
+  const char *command;               /* command line, for the provenance; may be NULL */
   const volatile sig_atomic_t *stop; /* non-zero: end with a checkpoint. May be NULL */
   void (*progress)(void *self, const struct em_recorder_progress *progress); /* may be NULL */
   void *self;
 };
 
 /* The key figures. Those of the steady part are taken from t ≥ 0.2 s, or from half the duration
- * when that is shorter: speeds and power from observables, v_n from the blocks of the histogram that
- * lie in it (all, when none does). NAN where there is nothing to tell. */
+ * when that is shorter: speeds and power from observables, v_n from the blocks of the histogram
+ * that lie in it (all, when none does). NAN where there is nothing to tell. */
 struct em_summary {
   enum em_end end;
   bool resumed;
@@ -46,19 +46,19 @@ struct em_summary {
   double rate_above_3;          /* 1/s: contacts with v_n > 3 m/s per simulated time */
   double share_above_3;         /* their share */
   double power;                 /* W: work of all blades and of the turning drum per time */
-  double energy_error;          /* |E(0) + work − dissipated − E| over the largest of: kinetic energy
-                                   (with spin) at the start and now, work, dissipated energy, change
-                                   of potential energy. NAN when gravity acts across a periodic
-                                   boundary */
-  uint64_t tc, elastic, jam;    /* contacts on which a remedy acted */
+  double energy_error; /* |E(0) + work − dissipated − E| over the largest of: kinetic energy
+                          (with spin) at the start and now, work, dissipated energy, change
+                          of potential energy. NAN when gravity acts across a periodic
+                          boundary */
+  uint64_t tc, elastic, jam; /* contacts on which a remedy acted */
 };
 
-/* Runs the scene. The file is valid at every moment; errors that come after its creation leave it so, and
- * it can be resumed. An existing file is touched only with `resume` or `force`, and in the latter
- * case not before its replacement is complete. summary (may be NULL) is filled as far as the run
- * came. Errors: EM_INPUT (scene does not fit the file to be resumed; the file exists), EM_FILE (cannot
- * be written; disk full), EM_FORMAT (damaged file), EM_STOPPED, and those of em_start_make and
- * em_world_run. `*created` (may be NULL) tells whether the run file exists. */
+/* Runs the scene. The file is valid at every moment; errors that come after its creation leave it
+ * so, and it can be resumed. An existing file is touched only with `resume` or `force`, and in the
+ * latter case not before its replacement is complete. summary (may be NULL) is filled as far as the
+ * run came. Errors: EM_INPUT (scene does not fit the file to be resumed; the file exists), EM_FILE
+ * (cannot be written; disk full), EM_FORMAT (damaged file), EM_STOPPED, and those of em_start_make
+ * and em_world_run. `*created` (may be NULL) tells whether the run file exists. */
 enum em_status em_recorder_run(const struct em_scene *scene,
                                const struct em_recorder_options *options,
                                struct em_summary *summary, bool *created, struct em_error *err);
@@ -66,11 +66,5 @@ enum em_status em_recorder_run(const struct em_scene *scene,
 /* The name of a run file that a scene gets by default: the scene's file name without folder and
  * ".cfg", and ".h5"; `size` bytes at most. */
 void em_recorder_default_path(const struct em_scene *scene, char *path, size_t size);
-
-/* What this build is: version with the repository's state, compiler; and the libraries that it runs
- * with, into `text`. */
-const char *em_recorder_version(void);
-const char *em_recorder_compiler(void);
-void em_recorder_libraries(char *text, size_t size);
 
 #endif

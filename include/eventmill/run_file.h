@@ -1,5 +1,6 @@
-/* Reading a run file (layout: docs/run-file.md). Every size is checked against the file before memory
- * is taken; a truncated, damaged or foreign file gives EM_FILE or EM_FORMAT, never a crash. */
+/* Reading a run file (layout: docs/run-file.md). Every size is checked against the file before
+ * memory is taken; a truncated, damaged or foreign file gives EM_FILE or EM_FORMAT, never a crash.
+ */
 #ifndef EVENTMILL_RUN_FILE_H
 #define EVENTMILL_RUN_FILE_H
 
@@ -15,12 +16,12 @@ struct em_run_file;
 struct em_snapshot;
 
 /* Why a run ended. A file that was left by a kill says `running`. */
-#define EM_END_LIST(X)                                                         \
-  X(RUNNING, "running")                                                        \
-  X(DONE, "done")                                                              \
-  X(INTERRUPTED, "interrupted")                                                \
-  X(COLLAPSE, "collapse")                                                      \
-  X(JAM, "jam")                                                                \
+#define EM_END_LIST(X)          \
+  X(RUNNING, "running")         \
+  X(DONE, "done")               \
+  X(INTERRUPTED, "interrupted") \
+  X(COLLAPSE, "collapse")       \
+  X(JAM, "jam")                 \
   X(FAILED, "failed")
 #define EM_END_ENUM(code, text) EM_END_##code,
 enum em_end { EM_END_LIST(EM_END_ENUM) EM_END_COUNT };
@@ -29,10 +30,10 @@ enum em_end { EM_END_LIST(EM_END_ENUM) EM_END_COUNT };
 /* Where the run stands. */
 struct em_run_state {
   enum em_end end;
-  char message[1024];  /* the error's text for COLLAPSE, JAM, FAILED */
-  double time;         /* s, simulated */
-  uint64_t collisions; /* since the start */
-  double energy_start; /* J: kinetic, spin and potential energy at time 0 */
+  char message[1024];     /* the error's text for COLLAPSE, JAM, FAILED */
+  double time;            /* s, simulated */
+  uint64_t collisions;    /* since the start */
+  double energy_start;    /* J: kinetic, spin and potential energy at time 0 */
   double kinetic_start;   /* J: kinetic and spin energy at time 0 */
   double potential_start; /* J */
 };
@@ -102,15 +103,15 @@ enum em_status em_run_file_block(const struct em_run_file *file, size_t k, uint6
 
 /* The collision table, streamed: columns that are not asked for stay NULL. */
 enum em_column {
-  EM_COLUMN_TIME = 1,     /* s */
-  EM_COLUMN_CLASS = 2,    /* enum em_class */
-  EM_COLUMN_BALL = 4,     /* index */
-  EM_COLUMN_PARTNER = 8,  /* other ball, blade or wall number, as in struct em_contact */
-  EM_COLUMN_PLACE = 16,   /* m */
-  EM_COLUMN_NORMAL = 32,  /* unit vector from the partner to the ball */
-  EM_COLUMN_VN = 64,      /* m/s */
-  EM_COLUMN_VT = 128,     /* m/s */
-  EM_COLUMN_LOST = 256,   /* J */
+  EM_COLUMN_TIME = 1,    /* s */
+  EM_COLUMN_CLASS = 2,   /* enum em_class */
+  EM_COLUMN_BALL = 4,    /* index */
+  EM_COLUMN_PARTNER = 8, /* other ball, blade or wall number, as in struct em_contact */
+  EM_COLUMN_PLACE = 16,  /* m */
+  EM_COLUMN_NORMAL = 32, /* unit vector from the partner to the ball */
+  EM_COLUMN_VN = 64,     /* m/s */
+  EM_COLUMN_VT = 128,    /* m/s */
+  EM_COLUMN_LOST = 256,  /* J */
   EM_COLUMN_ALL = 511
 };
 enum { EM_ROWS_BLOCK = 65536 };
@@ -134,7 +135,7 @@ enum em_status em_run_file_rows(const struct em_run_file *file, uint64_t first,
                                 struct em_rows *rows, struct em_error *err);
 
 /* The engine's state at the last flush; em_world_snapshot_free. */
-enum em_status em_run_file_checkpoint(const struct em_run_file *file,
-                                      struct em_snapshot **snapshot, struct em_error *err);
+enum em_status em_run_file_checkpoint(const struct em_run_file *file, struct em_snapshot **snapshot,
+                                      struct em_error *err);
 
 #endif

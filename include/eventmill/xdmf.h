@@ -1,4 +1,5 @@
-/* An XDMF sidecar: a text file with which ParaView opens the frames of a run file, without a copy. */
+/* An XDMF sidecar: a text file with which ParaView opens the frames of a run file, without a copy.
+ */
 #ifndef EVENTMILL_XDMF_H
 #define EVENTMILL_XDMF_H
 

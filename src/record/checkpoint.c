@@ -22,15 +22,13 @@ static size_t arrays_of(const struct em_snapshot *s, struct array *list) {
   size_t k = 0;
   list[k++] = (struct array){"position", "m", EM_LOG_DOUBLE, n, 3, s->position};
   list[k++] = (struct array){"velocity", "m s-1", EM_LOG_DOUBLE, n, 3, s->velocity};
-  if (s->spin)
-    list[k++] = (struct array){"angular_velocity", "s-1", EM_LOG_DOUBLE, n, 3, s->spin};
+  if (s->spin) list[k++] = (struct array){"angular_velocity", "s-1", EM_LOG_DOUBLE, n, 3, s->spin};
   list[k++] = (struct array){"time", "s", EM_LOG_DOUBLE, n, 1, s->time};
   list[k++] = (struct array){"last", NULL, EM_LOG_STEP, n, 1, s->last};
   list[k++] = (struct array){"streak", NULL, EM_LOG_STEP, n, 1, s->streak};
-  if (b)
-    list[k++] = (struct array){"blade_angle", "rad", EM_LOG_DOUBLE, b, 1, s->blade_angle};
-  list[k++] = (struct array){"vn", NULL, EM_LOG_COUNT, EM_CLASS_COUNT, EM_TALLY_BINS,
-                             (void *)s->tally.vn};
+  if (b) list[k++] = (struct array){"blade_angle", "rad", EM_LOG_DOUBLE, b, 1, s->blade_angle};
+  list[k++] =
+      (struct array){"vn", NULL, EM_LOG_COUNT, EM_CLASS_COUNT, EM_TALLY_BINS, (void *)s->tally.vn};
   return k;
 }
 
@@ -69,8 +67,8 @@ static size_t numbers_of(struct em_snapshot *s, struct number *list) {
   list[k++] = (struct number){"clock", false, false, 0, &s->clock};
   list[k++] = (struct number){"collisions", true, false, EM_CLASS_COUNT, t->collisions};
   list[k++] = (struct number){"dissipated", false, false, EM_CLASS_COUNT, t->lost};
-  list[k++] = (struct number){"collision_energy", false, false, EM_CLASS_COUNT,
-                              t->collision_energy};
+  list[k++] =
+      (struct number){"collision_energy", false, false, EM_CLASS_COUNT, t->collision_energy};
   list[k++] = (struct number){"drum_work", false, false, 0, &t->drum_work};
   list[k++] = (struct number){"tc", true, false, 0, &t->tc};
   list[k++] = (struct number){"elastic", true, false, 0, &t->elastic};
@@ -90,10 +88,9 @@ static const char *home_of(const struct number *number) {
 }
 
 static bool put_number(hid_t file, const struct number *number) {
-  return em_h5_put_numbers(file, home_of(number), number->name,
-                           number->is_count ? H5T_STD_U64LE : H5T_IEEE_F64LE,
-                           number->is_count ? H5T_NATIVE_UINT64 : H5T_NATIVE_DOUBLE, number->width,
-                           number->data);
+  return em_h5_put_numbers(
+      file, home_of(number), number->name, number->is_count ? H5T_STD_U64LE : H5T_IEEE_F64LE,
+      number->is_count ? H5T_NATIVE_UINT64 : H5T_NATIVE_DOUBLE, number->width, number->data);
 }
 
 static bool get_number(hid_t file, const struct number *number) {
@@ -118,8 +115,7 @@ static bool write_blades(hid_t file, const struct em_snapshot *s) {
 
 static bool read_blades(hid_t file, struct em_snapshot *s) {
   struct em_h5_shape shape;
-  if (s->blade_count == 0)
-    return true;
+  if (s->blade_count == 0) return true;
   if (!em_h5_shape(file, BLADE_PATH, &shape) || shape.rank != 2 ||
       shape.dims[0] != s->blade_count || shape.dims[1] != BLADE_WIDTH)
     return false;
@@ -128,8 +124,7 @@ static bool read_blades(hid_t file, struct em_snapshot *s) {
     double row[BLADE_WIDTH];
     good = em_h5_read_rows(file, BLADE_PATH, H5T_NATIVE_DOUBLE, k, 1, row) && row[2] >= 0.0 &&
            row[2] < 0x1p53;
-    if (good)
-      s->blade[k] = (struct em_blade_tally){row[0], row[1], (uint64_t)row[2]};
+    if (good) s->blade[k] = (struct em_blade_tally){row[0], row[1], (uint64_t)row[2]};
   }
   return good;
 }
@@ -195,14 +190,12 @@ struct em_snapshot *em_checkpoint_read(hid_t file, const char *name, size_t ball
     em_error_set(err, EM_FORMAT, name, 0, "its checkpoint does not fit its scene");
     return NULL;
   }
-  struct em_snapshot *snapshot =
-      em_world_snapshot_new((uint32_t)balls, (uint32_t)blades, spin);
+  struct em_snapshot *snapshot = em_world_snapshot_new((uint32_t)balls, (uint32_t)blades, spin);
   if (!snapshot) {
     em_error_set(err, EM_MEMORY, name, 0, "out of memory");
     return NULL;
   }
-  if (read_into(file, snapshot))
-    return snapshot;
+  if (read_into(file, snapshot)) return snapshot;
   em_error_set(err, EM_FORMAT, name, 0, "its checkpoint is damaged or missing");
   em_world_snapshot_free(snapshot);
   return NULL;

@@ -20,15 +20,12 @@ bool em_h5_group(hid_t file, const char *path) {
 bool em_h5_exists(hid_t file, const char *path) {
   char part[512];
   const size_t length = strlen(path);
-  if (length >= sizeof part)
-    return false;
+  if (length >= sizeof part) return false;
   for (size_t i = 1; i <= length; i++) {
-    if (path[i] != '/' && path[i] != '\0')
-      continue;
+    if (path[i] != '/' && path[i] != '\0') continue;
     memcpy(part, path, i);
     part[i] = '\0';
-    if (H5Lexists(file, part, H5P_DEFAULT) <= 0)
-      return false;
+    if (H5Lexists(file, part, H5P_DEFAULT) <= 0) return false;
   }
   return H5Oexists_by_name(file, path, H5P_DEFAULT) > 0;
 }
@@ -42,14 +39,11 @@ bool em_h5_link(hid_t file, const char *from, const char *to) {
 static bool put(hid_t file, const char *path, const char *name, hid_t file_type, hid_t memory_type,
                 hid_t space, const void *data) {
   const hid_t object = H5Oopen(file, path, H5P_DEFAULT);
-  if (object < 0)
-    return false;
-  if (H5Aexists(object, name) > 0)
-    H5Adelete(object, name);
+  if (object < 0) return false;
+  if (H5Aexists(object, name) > 0) H5Adelete(object, name);
   const hid_t attribute = H5Acreate2(object, name, file_type, space, H5P_DEFAULT, H5P_DEFAULT);
   bool good = attribute >= 0 && H5Awrite(attribute, memory_type, data) >= 0;
-  if (attribute >= 0)
-    good = H5Aclose(attribute) >= 0 && good;
+  if (attribute >= 0) good = H5Aclose(attribute) >= 0 && good;
   return H5Oclose(object) >= 0 && good;
 }
 
@@ -74,8 +68,7 @@ bool em_h5_put_texts(hid_t file, const char *path, const char *name, size_t coun
   for (size_t i = 0; i < count; i++)
     size = strlen(texts[i]) > size ? strlen(texts[i]) : size;
   char *room = calloc(count ? count : 1, size);
-  if (!room)
-    return false;
+  if (!room) return false;
   for (size_t i = 0; i < count; i++)
     memcpy(room + i * size, texts[i], strlen(texts[i]));
   const hsize_t dims = count;
@@ -88,16 +81,14 @@ bool em_h5_put_texts(hid_t file, const char *path, const char *name, size_t coun
 }
 
 static hid_t open_attribute(hid_t file, const char *path, const char *name) {
-  if (!em_h5_exists(file, path) || H5Aexists_by_name(file, path, name, H5P_DEFAULT) <= 0)
-    return -1;
+  if (!em_h5_exists(file, path) || H5Aexists_by_name(file, path, name, H5P_DEFAULT) <= 0) return -1;
   return H5Aopen_by_name(file, path, name, H5P_DEFAULT, H5P_DEFAULT);
 }
 
 static bool is_size(hid_t attribute, hssize_t count) {
   const hid_t space = H5Aget_space(attribute);
   const bool same = space >= 0 && H5Sget_simple_extent_npoints(space) == count;
-  if (space >= 0)
-    H5Sclose(space);
+  if (space >= 0) H5Sclose(space);
   return same;
 }
 
@@ -105,8 +96,7 @@ static bool is_size(hid_t attribute, hssize_t count) {
 static bool rewrite(hid_t file, const char *path, const char *name, hid_t memory_type, size_t count,
                     const void *numbers) {
   const hid_t attribute = open_attribute(file, path, name);
-  if (attribute < 0)
-    return false;
+  if (attribute < 0) return false;
   const bool good = is_size(attribute, (hssize_t)(count ? count : 1)) &&
                     H5Awrite(attribute, memory_type, numbers) >= 0;
   H5Aclose(attribute);
@@ -116,8 +106,7 @@ static bool rewrite(hid_t file, const char *path, const char *name, hid_t memory
 bool em_h5_put_numbers(hid_t file, const char *path, const char *name, hid_t file_type,
                        hid_t memory_type, size_t count, const void *numbers) {
   const hsize_t dims = count;
-  if (rewrite(file, path, name, memory_type, count, numbers))
-    return true;
+  if (rewrite(file, path, name, memory_type, count, numbers)) return true;
   const hid_t space = count ? H5Screate_simple(1, &dims, NULL) : H5Screate(H5S_SCALAR);
   const bool good = put(file, path, name, file_type, memory_type, space, numbers);
   H5Sclose(space);
@@ -134,8 +123,7 @@ bool em_h5_put_count(hid_t file, const char *path, const char *name, uint64_t nu
 
 bool em_h5_get_text(hid_t file, const char *path, const char *name, char *text, size_t size) {
   const hid_t attribute = open_attribute(file, path, name);
-  if (attribute < 0)
-    return false;
+  if (attribute < 0) return false;
   const hid_t type = H5Aget_type(attribute);
   const bool fits = is_size(attribute, 1) && H5Tget_class(type) == H5T_STRING &&
                     H5Tis_variable_str(type) == 0 && H5Tget_size(type) < (1 << 16);
@@ -162,8 +150,7 @@ static bool is_number(hid_t type) {
 bool em_h5_get_numbers(hid_t file, const char *path, const char *name, hid_t memory_type,
                        size_t count, void *numbers) {
   const hid_t attribute = open_attribute(file, path, name);
-  if (attribute < 0)
-    return false;
+  if (attribute < 0) return false;
   const hid_t type = H5Aget_type(attribute);
   const bool good = is_size(attribute, (hssize_t)(count ? count : 1)) && is_number(type) &&
                     H5Aread(attribute, memory_type, numbers) >= 0;
@@ -178,8 +165,7 @@ static hid_t layout(struct em_h5_shape shape, hsize_t chunk, int deflate) {
   hsize_t dims[EM_H5_RANK];
   for (int i = 0; i < shape.rank; i++)
     dims[i] = shape.dims[i] ? shape.dims[i] : 1;
-  if (chunk)
-    dims[0] = chunk;
+  if (chunk) dims[0] = chunk;
   const hid_t create = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_chunk(create, shape.rank, dims);
   if (deflate > 0) {
@@ -194,15 +180,13 @@ bool em_h5_create(hid_t file, const char *path, hid_t type, struct em_h5_shape s
                   int deflate, const char *unit) {
   hsize_t most[EM_H5_RANK];
   memcpy(most, shape.dims, sizeof most);
-  if (chunk)
-    most[0] = H5S_UNLIMITED;
+  if (chunk) most[0] = H5S_UNLIMITED;
   const hid_t space = H5Screate_simple(shape.rank, shape.dims, most);
   const hid_t create = layout(shape, chunk, deflate);
   const hid_t set = H5Dcreate2(file, path, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
   H5Pclose(create);
   H5Sclose(space);
-  if (set < 0 || H5Dclose(set) < 0)
-    return false;
+  if (set < 0 || H5Dclose(set) < 0) return false;
   return !unit || em_h5_put_text(file, path, "unit", unit);
 }
 
@@ -214,8 +198,7 @@ static bool shape_of(hid_t set, struct em_h5_shape *shape) {
     shape->rank = rank;
     H5Sget_simple_extent_dims(space, shape->dims, NULL);
   }
-  if (space >= 0)
-    H5Sclose(space);
+  if (space >= 0) H5Sclose(space);
   return good;
 }
 
@@ -238,18 +221,15 @@ static hid_t select_rows(hid_t set, hsize_t first, hsize_t count, hid_t *memory)
 
 static bool set_rows(hid_t set, hsize_t count) {
   struct em_h5_shape shape;
-  if (!shape_of(set, &shape) || shape.rank < 1)
-    return false;
-  if (shape.dims[0] == count)
-    return true;
+  if (!shape_of(set, &shape) || shape.rank < 1) return false;
+  if (shape.dims[0] == count) return true;
   shape.dims[0] = count;
   return H5Dset_extent(set, shape.dims) >= 0;
 }
 
 bool em_h5_set_rows(hid_t file, const char *path, hsize_t count) {
   const hid_t set = H5Dopen2(file, path, H5P_DEFAULT);
-  if (set < 0)
-    return false;
+  if (set < 0) return false;
   const bool good = set_rows(set, count);
   return H5Dclose(set) >= 0 && good;
 }
@@ -257,12 +237,10 @@ bool em_h5_set_rows(hid_t file, const char *path, hsize_t count) {
 bool em_h5_write_rows(hid_t file, const char *path, hid_t memory_type, hsize_t first, hsize_t count,
                       const void *rows) {
   const hid_t set = H5Dopen2(file, path, H5P_DEFAULT);
-  if (set < 0)
-    return false;
+  if (set < 0) return false;
   hid_t memory = -1, space = -1;
   bool good = set_rows(set, first + count);
-  if (good)
-    space = select_rows(set, first, count, &memory);
+  if (good) space = select_rows(set, first, count, &memory);
   good = space >= 0 && H5Dwrite(set, memory_type, memory, space, H5P_DEFAULT, rows) >= 0;
   if (space >= 0) {
     H5Sclose(space);
@@ -273,8 +251,7 @@ bool em_h5_write_rows(hid_t file, const char *path, hid_t memory_type, hsize_t f
 
 bool em_h5_write(hid_t file, const char *path, hid_t memory_type, const void *data) {
   const hid_t set = H5Dopen2(file, path, H5P_DEFAULT);
-  if (set < 0)
-    return false;
+  if (set < 0) return false;
   const bool good = H5Dwrite(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
   return H5Dclose(set) >= 0 && good;
 }
@@ -290,23 +267,21 @@ static bool set_is_number(hid_t set) {
   return good;
 }
 
-/* Deflate shrinks at most 1032-fold: a file cannot hold more than that, whatever its headers say. */
+/* Deflate shrinks at most 1032-fold: a file cannot hold more than that, whatever its headers say.
+ */
 static bool can_hold(hid_t file, hid_t set, const struct em_h5_shape *shape) {
   const hid_t type = H5Dget_type(set);
   hsize_t size = 0, bytes = H5Tget_size(type);
   H5Tclose(type);
-  if (H5Fget_filesize(file, &size) < 0 || size > UINT64_MAX / 1032)
-    return false;
+  if (H5Fget_filesize(file, &size) < 0 || size > UINT64_MAX / 1032) return false;
   for (int i = 0; i < shape->rank; i++)
-    if (__builtin_mul_overflow(bytes, shape->dims[i], &bytes))
-      return false;
+    if (__builtin_mul_overflow(bytes, shape->dims[i], &bytes)) return false;
   return bytes <= 1032 * size;
 }
 
 bool em_h5_shape(hid_t file, const char *path, struct em_h5_shape *shape) {
   const hid_t set = open_set(file, path);
-  if (set < 0)
-    return false;
+  if (set < 0) return false;
   const bool good = shape_of(set, shape) && can_hold(file, set, shape);
   H5Dclose(set);
   return good;
@@ -315,8 +290,7 @@ bool em_h5_shape(hid_t file, const char *path, struct em_h5_shape *shape) {
 bool em_h5_read_rows(hid_t file, const char *path, hid_t memory_type, hsize_t first, hsize_t count,
                      void *rows) {
   const hid_t set = open_set(file, path);
-  if (set < 0)
-    return false;
+  if (set < 0) return false;
   hid_t memory = -1;
   const hid_t space = set_is_number(set) ? select_rows(set, first, count, &memory) : -1;
   const bool good = space >= 0 && H5Dread(set, memory_type, memory, space, H5P_DEFAULT, rows) >= 0;
@@ -330,10 +304,9 @@ bool em_h5_read_rows(hid_t file, const char *path, hid_t memory_type, hsize_t fi
 
 bool em_h5_read(hid_t file, const char *path, hid_t memory_type, void *data) {
   const hid_t set = open_set(file, path);
-  if (set < 0)
-    return false;
-  const bool good = set_is_number(set) &&
-                    H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+  if (set < 0) return false;
+  const bool good =
+      set_is_number(set) && H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
   H5Dclose(set);
   return good;
 }
@@ -342,20 +315,18 @@ bool em_h5_read(hid_t file, const char *path, hid_t memory_type, void *data) {
 
 /* A scalar of one long text, in a checksummed chunk: bytes [1] of that type. */
 bool em_h5_put_document(hid_t file, const char *path, const char *text) {
-  if (em_h5_exists(file, path) && H5Ldelete(file, path, H5P_DEFAULT) < 0)
-    return false;
+  if (em_h5_exists(file, path) && H5Ldelete(file, path, H5P_DEFAULT) < 0) return false;
   const hid_t type = text_type(strlen(text));
   const struct em_h5_shape one = {1, {1}};
-  const bool good = em_h5_create(file, path, type, one, 0, 0, NULL) &&
-                    em_h5_write(file, path, type, text);
+  const bool good =
+      em_h5_create(file, path, type, one, 0, 0, NULL) && em_h5_write(file, path, type, text);
   H5Tclose(type);
   return good;
 }
 
 static char *read_document(hid_t set, size_t limit) {
   struct em_h5_shape shape;
-  if (!shape_of(set, &shape) || shape.rank != 1 || shape.dims[0] != 1)
-    return NULL;
+  if (!shape_of(set, &shape) || shape.rank != 1 || shape.dims[0] != 1) return NULL;
   const hid_t type = H5Dget_type(set);
   char *text = NULL;
   if (H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
@@ -371,8 +342,7 @@ static char *read_document(hid_t set, size_t limit) {
 
 char *em_h5_get_document(hid_t file, const char *path, size_t limit) {
   const hid_t set = open_set(file, path);
-  if (set < 0)
-    return NULL;
+  if (set < 0) return NULL;
   char *text = read_document(set, limit);
   H5Dclose(set);
   return text;

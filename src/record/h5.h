@@ -1,5 +1,6 @@
-/* Small things done with HDF5: attributes, growing and fixed datasets, all with checksums. Functions
- * return false when HDF5 reports a failure; reading ones also when type or size is not as expected. */
+/* Small things done with HDF5: attributes, growing and fixed datasets, all with checksums.
+ * Functions return false when HDF5 reports a failure; reading ones also when type or size is not as
+ * expected. */
 #ifndef EVENTMILL_H5_H
 #define EVENTMILL_H5_H
 

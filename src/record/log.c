@@ -62,8 +62,7 @@ bool em_log_is_full(const struct em_log *log) {
 }
 
 bool em_log_write(struct em_log *log, hid_t file) {
-  if (log->held == 0)
-    return true;
+  if (log->held == 0) return true;
   if (!em_h5_write_rows(file, log->path, em_log_memory_type(log->type), log->rows, log->held,
                         log->cells))
     return false;

@@ -163,32 +163,28 @@ static void select_kth(double *x, size_t count, size_t k) {
         const double swap = x[i];
         x[i++] = x[j];
         x[j] = swap;
-        if (j == 0)
-          break;
+        if (j == 0) break;
         j--;
       }
     }
-    if (j < k)
-      low = i;
-    if (k < i)
-      high = j;
+    if (j < k) low = i;
+    if (k < i) high = j;
   }
 }
 
 double em_observe_median(double *numbers, size_t count) {
-  if (count == 0)
-    return NAN;
+  if (count == 0) return NAN;
   const size_t middle = count / 2;
   select_kth(numbers, count, middle);
-  if (count % 2)
-    return numbers[middle];
+  if (count % 2) return numbers[middle];
   double below = numbers[0];
   for (size_t i = 1; i < middle; i++)
     below = numbers[i] > below ? numbers[i] : below;
   return 0.5 * (below + numbers[middle]);
 }
 
-void em_observe_balls(struct em_observe_state *state, const struct em_balls *balls, double *speeds) {
+void em_observe_balls(struct em_observe_state *state, const struct em_balls *balls,
+                      double *speeds) {
   double sum = 0.0;
   for (size_t i = 0; i < balls->count; i++) {
     speeds[i] = em_vec_norm(balls->velocity[i]);

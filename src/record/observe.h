@@ -11,11 +11,11 @@
 /* All that an observable is computed from. */
 struct em_observe_state {
   const struct em_world *world;
-  double time;                   /* s */
-  struct em_energy energy;       /* J */
+  double time;                     /* s */
+  struct em_energy energy;         /* J */
   double median_speed, mean_speed; /* m/s */
-  double interval;               /* s since the sample before; 0 at the first one */
-  const double *impulse_before;  /* N m s, angular impulse per blade at the sample before */
+  double interval;                 /* s since the sample before; 0 at the first one */
+  const double *impulse_before;    /* N m s, angular impulse per blade at the sample before */
 };
 
 /* Whether a scene calls for it, and how many numbers it has there; `fill` writes them: doubles, or

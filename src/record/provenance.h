@@ -1,7 +1,8 @@
 /* Who made a run: program, libraries, machine, times. */
-#ifndef EVENTMILL_PROVENANCE_H
-#define EVENTMILL_PROVENANCE_H
+#ifndef EVENTMILL_RECORD_PROVENANCE_H
+#define EVENTMILL_RECORD_PROVENANCE_H
 
+#include "eventmill/provenance.h"
 #include "eventmill/run_file.h"
 #include "record/h5.h"
 

@@ -22,10 +22,10 @@ struct recorder {
   const struct em_scene *scene;
   const struct em_recorder_options *options;
   struct em_world *world;
-  struct em_writer *writer; /* NULL: no file */
-  struct em_balls *balls;   /* room for a state */
-  double *speeds, *impulse; /* room; angular impulses at the sample before */
-  double sample_before;     /* s, time of that sample */
+  struct em_writer *writer;         /* NULL: no file */
+  struct em_balls *balls;           /* room for a state */
+  double *speeds, *impulse;         /* room; angular impulses at the sample before */
+  double sample_before;             /* s, time of that sample */
   uint64_t frames, samples, blocks; /* index of the next one of each */
   uint64_t *block_base, *block;     /* counts at the block's start; room for a block */
   struct em_run_state state;
@@ -68,22 +68,19 @@ static enum em_status sample(struct recorder *r, double time, struct em_error *e
   struct em_observe_state state;
   look(r, &state, time);
   enum em_status status = EM_OK;
-  if (r->writer)
-    status = em_writer_sample(r->writer, &state, err);
+  if (r->writer) status = em_writer_sample(r->writer, &state, err);
   for (size_t k = 0; k < em_world_blade_count(r->world); k++)
     r->impulse[k] = em_world_blade_tally(r->world, k)->angular_impulse;
   r->sample_before = time;
   r->samples++;
-  if (!status &&
-      !em_summary_sample(&r->part, time, state.median_speed, em_observe_work(r->world)))
+  if (!status && !em_summary_sample(&r->part, time, state.median_speed, em_observe_work(r->world)))
     status = no_memory(err);
   return status;
 }
 
 static enum em_status frame(struct recorder *r, double time, struct em_error *err) {
   r->frames++;
-  if (!r->writer)
-    return EM_OK;
+  if (!r->writer) return EM_OK;
   em_world_state(r->world, time, r->balls);
   return em_writer_frame(r->writer, time, r->balls, err);
 }
@@ -92,8 +89,7 @@ static enum em_status frame(struct recorder *r, double time, struct em_error *er
 static enum em_status block(struct recorder *r, double time, bool open, struct em_error *err) {
   const uint64_t *now = &em_world_tally(r->world)->vn[0][0];
   const double start = r->blocks ? time_of(r->blocks, r->scene->record.histograms) : 0.0;
-  if (open && !(time > start))
-    return EM_OK;
+  if (open && !(time > start)) return EM_OK;
   for (size_t i = 0; i < COUNTS; i++)
     r->block[i] = now[i] - r->block_base[i];
   if (!open) {
@@ -115,14 +111,12 @@ static double time_now(const struct recorder *r) {
 static enum em_status flush(struct recorder *r, bool last, struct em_error *err) {
   r->state.time = time_now(r);
   r->state.collisions = em_world_collisions(r->world);
-  if (!r->writer)
-    return EM_OK;
+  if (!r->writer) return EM_OK;
   const double start = wall_clock();
   struct em_writer_flush what = {.state = r->state, .last = last};
   struct em_snapshot *snapshot = NULL;
   enum em_status status = block(r, r->state.time, true, err);
-  if (!status)
-    status = em_world_snapshot(r->world, &snapshot, err);
+  if (!status) status = em_world_snapshot(r->world, &snapshot, err);
   if (!status) {
     em_provenance_update(&r->session, start - r->begun, r->state.time);
     what.session = r->session;
@@ -149,8 +143,7 @@ static void observe(void *self, const struct em_contact *contact) {
 
 static enum em_status begin_observing(struct recorder *r, struct em_error *err) {
   const struct em_observer observer = {.self = r, .contact = observe};
-  if (!r->writer || !r->scene->record.collisions)
-    return EM_OK;
+  if (!r->writer || !r->scene->record.collisions) return EM_OK;
   return em_world_observe(r->world, &observer) ? no_memory(err) : EM_OK;
 }
 
@@ -163,8 +156,7 @@ static void tell(struct recorder *r, double now) {
       .collisions = em_world_collisions(r->world),
       .at_begin = r->at_begin,
   };
-  if (r->options->progress)
-    r->options->progress(r->options->self, &progress);
+  if (r->options->progress) r->options->progress(r->options->self, &progress);
 }
 
 /* Works off the events up to `until`; looks at the clock in between. */
@@ -173,24 +165,19 @@ static enum em_status advance(struct recorder *r, double until, struct em_error 
     const uint64_t before = em_world_collisions(r->world);
     const enum em_status status =
         em_world_run_collisions(r->world, until, CHUNK, r->options->stop, err);
-    if (status)
-      return status;
-    if (r->writer && em_writer_has_failed(r->writer))
-      return flush(r, false, err);
+    if (status) return status;
+    if (r->writer && em_writer_has_failed(r->writer)) return flush(r, false, err);
     const double now = wall_clock();
     const bool arrived = em_world_collisions(r->world) - before < CHUNK;
     tell(r, now);
     if (r->writer && is_flush_due(r, now)) {
       const enum em_status flushed = flush(r, false, err);
-      if (flushed)
-        return flushed;
+      if (flushed) return flushed;
     }
-    if (arrived)
-      r->reached = until;
+    if (arrived) r->reached = until;
     if (r->options->stop && *r->options->stop) /* the world may have had no event to notice it */
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    if (arrived)
-      return EM_OK;
+    if (arrived) return EM_OK;
   }
 }
 
@@ -198,10 +185,8 @@ static enum em_status advance(struct recorder *r, double until, struct em_error 
 static enum em_status take_samples(struct recorder *r, double time, struct em_error *err) {
   const struct em_recording *record = &r->scene->record;
   enum em_status status = EM_OK;
-  if (time_of(r->frames, record->frames) <= time)
-    status = frame(r, time, err);
-  if (!status && time_of(r->samples, record->observables) <= time)
-    status = sample(r, time, err);
+  if (time_of(r->frames, record->frames) <= time) status = frame(r, time, err);
+  if (!status && time_of(r->samples, record->observables) <= time) status = sample(r, time, err);
   if (!status && time_of(r->blocks + 1, record->histograms) <= time)
     status = block(r, time, false, err);
   return status;
@@ -220,8 +205,7 @@ static enum em_status run(struct recorder *r, struct em_error *err) {
   do {
     time = next_time(r);
     status = advance(r, time, err);
-    if (!status)
-      status = take_samples(r, time, err);
+    if (!status) status = take_samples(r, time, err);
   } while (!status && time < r->scene->duration);
   return status;
 }
@@ -233,16 +217,13 @@ static enum em_status conclude(struct recorder *r, enum em_status status, struct
                  : status == EM_COLLAPSE ? EM_END_COLLAPSE
                  : status == EM_JAM      ? EM_END_JAM
                                          : EM_END_FAILED;
-  if (status == EM_FILE)
-    return status;
+  if (status == EM_FILE) return status;
   if (r->state.end > EM_END_INTERRUPTED && err)
     snprintf(r->state.message, sizeof r->state.message, "%.1000s", err->text);
   struct em_error inner = {0};
   const enum em_status stored = flush(r, true, &inner);
-  if (!stored)
-    return status;
-  if (err)
-    *err = inner;
+  if (!stored) return status;
+  if (err) *err = inner;
   return stored;
 }
 
@@ -295,8 +276,7 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
                                   struct em_error *err) {
   struct em_snapshot *snapshot = NULL;
   enum em_status status = em_world_snapshot(r->world, &snapshot, err);
-  if (!status)
-    status = em_writer_new(&r->writer, r->options->path, r->scene, start, snapshot, err);
+  if (!status) status = em_writer_new(&r->writer, r->options->path, r->scene, start, snapshot, err);
   em_world_snapshot_free(snapshot);
   return status;
 }
@@ -304,15 +284,11 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
 static enum em_status start_new(struct recorder *r, struct em_error *err) {
   struct em_balls *previous = NULL, *start = NULL;
   enum em_status status = previous_run(r->scene, &previous, err);
-  if (!status)
-    status = em_start_make(&start, r->scene, previous, err);
-  if (!status)
-    status = em_world_new(&r->world, r->scene, start, err);
-  if (!status)
-    remember_start(r);
+  if (!status) status = em_start_make(&start, r->scene, previous, err);
+  if (!status) status = em_world_new(&r->world, r->scene, start, err);
+  if (!status) remember_start(r);
   em_provenance_begin(&r->session, r->options->command, 0.0);
-  if (!status && r->options->path)
-    status = create_file(r, start, err);
+  if (!status && r->options->path) status = create_file(r, start, err);
   em_start_free(previous);
   em_start_free(start);
   return status;
@@ -329,8 +305,7 @@ static enum em_status compare_scenes(const struct recorder *r, const struct em_r
   struct em_scene *stored = NULL;
   enum em_status status = em_scene_parse(&stored, em_run_file_scene_text(file),
                                          em_run_file_path(file), 1, overrides, err);
-  if (status)
-    return status;
+  if (status) return status;
   char *a = em_scene_text(stored), *b = em_scene_text(r->scene);
   em_scene_free(stored);
   if (!a || !b)
@@ -346,8 +321,7 @@ static enum em_status compare_scenes(const struct recorder *r, const struct em_r
 static enum em_status reload_samples(struct recorder *r, const struct em_run_file *file,
                                      struct em_error *err) {
   struct em_series *median = NULL, *work = NULL, *impulse = NULL, *drum = NULL;
-  if (!(r->scene->record.observables > 0.0))
-    return EM_OK;
+  if (!(r->scene->record.observables > 0.0)) return EM_OK;
   enum em_status status = em_run_file_series(file, "median_speed", &median, err);
   if (!status && em_run_file_has(file, "blade_work"))
     status = em_run_file_series(file, "blade_work", &work, err);
@@ -365,9 +339,8 @@ static enum em_status reload_samples(struct recorder *r, const struct em_run_fil
   if (!status && median->count) {
     r->samples = median->count;
     r->sample_before = median->time[median->count - 1];
-    for (size_t k = 0; impulse && impulse->count && k < em_scene_blade_count(r->scene) &&
-                       k < impulse->width;
-         k++)
+    for (size_t k = 0;
+         impulse && impulse->count && k < em_scene_blade_count(r->scene) && k < impulse->width; k++)
       r->impulse[k] = impulse->value[(impulse->count - 1) * impulse->width + k];
   }
   em_run_file_series_free(median);
@@ -399,8 +372,7 @@ static enum em_status reload_world(struct recorder *r, const struct em_run_file 
                                    struct em_error *err) {
   struct em_snapshot *snapshot = NULL;
   enum em_status status = em_run_file_checkpoint(file, &snapshot, err);
-  if (!status)
-    status = em_world_resume(&r->world, r->scene, snapshot, err);
+  if (!status) status = em_world_resume(&r->world, r->scene, snapshot, err);
   em_world_snapshot_free(snapshot);
   return status;
 }
@@ -409,22 +381,17 @@ static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
                             struct em_error *err) {
   r->state = *em_run_file_state(file);
   enum em_status status = compare_scenes(r, file, err);
-  if (status)
-    return status;
+  if (status) return status;
   if (r->scene->duration < r->state.time)
     return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
                         "has gone to %g s already, beyond the duration of %g s", r->state.time,
                         r->scene->duration);
   r->finished = r->state.end == EM_END_DONE && r->scene->duration <= r->state.time;
   status = reload_world(r, file, err);
-  if (!status)
-    status = em_writer_resume(&r->writer, r->options->path, r->scene, err);
-  if (!status)
-    status = reload_samples(r, file, err);
-  if (!status)
-    status = reload_blocks(r, file, err);
-  if (status)
-    return status;
+  if (!status) status = em_writer_resume(&r->writer, r->options->path, r->scene, err);
+  if (!status) status = reload_samples(r, file, err);
+  if (!status) status = reload_blocks(r, file, err);
+  if (status) return status;
   r->frames = em_writer_frames(r->writer);
   r->samples = em_writer_samples(r->writer);
   r->reached = r->state.time;
@@ -436,8 +403,7 @@ static enum em_status start_again(struct recorder *r, struct em_error *err) {
   struct em_run_file *file = NULL;
   enum em_status status = em_run_file_open(&file, r->options->path, err);
   r->resumed = true;
-  if (!status)
-    status = go_on(r, file, err);
+  if (!status) status = go_on(r, file, err);
   em_run_file_close(file);
   return status;
 }
@@ -465,8 +431,7 @@ static enum em_status start(struct recorder *r, struct em_error *err) {
     return em_error_set(err, EM_INPUT, o->path, 0,
                         "exists already: resume it, or force its replacement");
   const enum em_status status = make_room(r, err);
-  if (status)
-    return status;
+  if (status) return status;
   return exists && o->resume ? start_again(r, err) : start_new(r, err);
 }
 
@@ -475,8 +440,7 @@ enum em_status em_recorder_run(const struct em_scene *scene,
                                struct em_summary *summary, bool *created, struct em_error *err) {
   struct recorder r = {.scene = scene, .options = options};
   enum em_status status = start(&r, err);
-  if (!status)
-    status = begin_observing(&r, err);
+  if (!status) status = begin_observing(&r, err);
   if (!status) {
     r.begun = wall_clock();
     r.at_begin = em_world_collisions(r.world);
@@ -484,17 +448,14 @@ enum em_status em_recorder_run(const struct em_scene *scene,
     r.state.message[0] = '\0';
     if (!r.finished) {
       status = flush(&r, false, err);
-      if (!status)
-        status = run(&r, err);
+      if (!status) status = run(&r, err);
       status = conclude(&r, status, err);
     } else {
       r.state.end = EM_END_DONE;
     }
-    if (summary)
-      summarize(&r, summary);
+    if (summary) summarize(&r, summary);
   }
-  if (created)
-    *created = r.resumed || (r.writer && em_writer_is_published(r.writer));
+  if (created) *created = r.resumed || (r.writer && em_writer_is_published(r.writer));
   clear(&r);
   return status;
 }
@@ -503,8 +464,7 @@ void em_recorder_default_path(const struct em_scene *scene, char *path, size_t s
   const char *name = strrchr(scene->file, '/');
   name = name ? name + 1 : scene->file;
   size_t length = strlen(name);
-  if (length > 4 && strcmp(name + length - 4, ".cfg") == 0)
-    length -= 4;
+  if (length > 4 && strcmp(name + length - 4, ".cfg") == 0) length -= 4;
   if (length == 0)
     snprintf(path, size, "run.h5");
   else

@@ -82,15 +82,14 @@ static bool read_state(struct em_run_file *file) {
 static enum em_status read_scene(struct em_run_file *file, struct em_error *err) {
   uint64_t layout = 0;
   if (!em_h5_get_numbers(file->file, EM_LAYOUT_HOME, "layout", H5T_NATIVE_UINT64, 0, &layout))
-    return em_error_set(err, EM_FORMAT, file->path, 0,
-                        "is not a run file: it has no group %s", EM_LAYOUT_HOME);
+    return em_error_set(err, EM_FORMAT, file->path, 0, "is not a run file: it has no group %s",
+                        EM_LAYOUT_HOME);
   if (layout != EM_LAYOUT_VERSION)
     return em_error_set(err, EM_FORMAT, file->path, 0,
-                        "has layout %llu, this program reads layout %d",
-                        (unsigned long long)layout, EM_LAYOUT_VERSION);
+                        "has layout %llu, this program reads layout %d", (unsigned long long)layout,
+                        EM_LAYOUT_VERSION);
   file->text = em_h5_get_document(file->file, EM_LAYOUT_SCENE, EM_LAYOUT_TEXT_LIMIT);
-  if (!file->text)
-    return em_run_file_damaged(file, "scene", err);
+  if (!file->text) return em_run_file_damaged(file, "scene", err);
   struct em_error inner = {0};
   if (em_scene_parse(&file->scene, file->text, file->path, 0, NULL, &inner) != EM_OK)
     return em_error_set(err, EM_FORMAT, file->path, 0, "its scene is not valid:\n%.3000s",
@@ -102,8 +101,7 @@ static enum em_status read_scene(struct em_run_file *file, struct em_error *err)
 static bool read_times(const struct em_run_file *file, const char *path, size_t *count,
                        double **times) {
   struct em_h5_shape shape;
-  if (!em_h5_shape(file->file, path, &shape) || shape.rank != 1)
-    return false;
+  if (!em_h5_shape(file->file, path, &shape) || shape.rank != 1) return false;
   *count = (size_t)shape.dims[0];
   *times = malloc((*count + 1) * sizeof **times);
   return *times && em_h5_read(file->file, path, H5T_NATIVE_DOUBLE, *times);
@@ -111,8 +109,7 @@ static bool read_times(const struct em_run_file *file, const char *path, size_t 
 
 static bool are_rising(const double *times, size_t count) {
   for (size_t i = 1; i < count; i++)
-    if (!(times[i] > times[i - 1]))
-      return false;
+    if (!(times[i] > times[i - 1])) return false;
   return count == 0 || (times[0] >= 0.0 && times[count - 1] < INFINITY);
 }
 
@@ -134,8 +131,7 @@ static bool find_frames(struct em_run_file *file) {
       !is_row(file, EM_LAYOUT_BALLS "/radius", file->balls) ||
       !is_row(file, EM_LAYOUT_BALLS "/species", file->balls))
     return false;
-  if (!(file->scene->record.frames > 0.0))
-    return true;
+  if (!(file->scene->record.frames > 0.0)) return true;
   return read_times(file, EM_LAYOUT_BALLS "/position/time", &file->frames, &file->frame_time) &&
          are_rising(file->frame_time, file->frames) &&
          is_vectors(file, EM_LAYOUT_BALLS "/position/value") &&
@@ -143,11 +139,11 @@ static bool find_frames(struct em_run_file *file) {
          (!file->has_spin || is_vectors(file, EM_LAYOUT_BALLS "/angular_velocity/value"));
 }
 
-/* All observables that the scene calls for, in one length: an unreadable one is not an absent one. */
+/* All observables that the scene calls for, in one length: an unreadable one is not an absent one.
+ */
 static bool find_observables(const struct em_run_file *file) {
   uint64_t samples = 0;
-  if (!(file->scene->record.observables > 0.0))
-    return true;
+  if (!(file->scene->record.observables > 0.0)) return true;
   if (!em_h5_get_numbers(file->file, EM_LAYOUT_CHECKPOINT, "samples", H5T_NATIVE_UINT64, 0,
                          &samples))
     return false;
@@ -180,28 +176,20 @@ static bool find_blocks(struct em_run_file *file) {
 
 static enum em_status open_parts(struct em_run_file *file, struct em_error *err) {
   enum em_status status = open_hdf5(file, err);
-  if (!status)
-    status = read_scene(file, err);
-  if (status)
-    return status;
-  if (!read_state(file))
-    return em_run_file_damaged(file, "state of the run", err);
-  if (!find_frames(file))
-    return em_run_file_damaged(file, "frames", err);
-  if (!find_observables(file))
-    return em_run_file_damaged(file, "observables", err);
-  if (!find_blocks(file))
-    return em_run_file_damaged(file, "histograms", err);
-  if (!em_run_file_find_rows(file))
-    return em_run_file_damaged(file, "collision table", err);
+  if (!status) status = read_scene(file, err);
+  if (status) return status;
+  if (!read_state(file)) return em_run_file_damaged(file, "state of the run", err);
+  if (!find_frames(file)) return em_run_file_damaged(file, "frames", err);
+  if (!find_observables(file)) return em_run_file_damaged(file, "observables", err);
+  if (!find_blocks(file)) return em_run_file_damaged(file, "histograms", err);
+  if (!em_run_file_rows_find(file)) return em_run_file_damaged(file, "collision table", err);
   return EM_OK;
 }
 
 enum em_status em_run_file_open(struct em_run_file **out, const char *path, struct em_error *err) {
   em_h5_quiet();
   struct em_run_file *file = calloc(1, sizeof *file);
-  if (!file)
-    return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
+  if (!file) return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
   file->file = -1;
   file->path = strdup(path);
   const enum em_status status = file->path ? open_parts(file, err) : no_memory(file, err);
@@ -214,10 +202,8 @@ enum em_status em_run_file_open(struct em_run_file **out, const char *path, stru
 }
 
 void em_run_file_close(struct em_run_file *file) {
-  if (!file)
-    return;
-  if (file->file >= 0)
-    H5Fclose(file->file);
+  if (!file) return;
+  if (file->file >= 0) H5Fclose(file->file);
   em_scene_free(file->scene);
   free(file->text);
   free(file->frame_time);
@@ -291,8 +277,7 @@ static bool read_balls(const struct em_run_file *file, struct em_balls *balls) {
 enum em_status em_run_file_balls(const struct em_run_file *file, struct em_balls **out,
                                  struct em_error *err) {
   struct em_balls *balls = em_start_new(file->balls);
-  if (!balls)
-    return no_memory(file, err);
+  if (!balls) return no_memory(file, err);
   if (!read_balls(file, balls)) {
     em_start_free(balls);
     return em_run_file_damaged(file, "balls", err);
@@ -323,10 +308,8 @@ enum em_status em_run_file_last(const char *path, struct em_balls **out, struct 
   enum em_status status = em_run_file_open(&file, path, err);
   if (!status && file->frames == 0)
     status = em_error_set(err, EM_INPUT, path, 0, "has no frames to start from");
-  if (!status)
-    status = em_run_file_balls(file, &balls, err);
-  if (!status)
-    status = em_run_file_frame(file, file->frames - 1, balls, err);
+  if (!status) status = em_run_file_balls(file, &balls, err);
+  if (!status) status = em_run_file_frame(file, file->frames - 1, balls, err);
   em_run_file_close(file);
   if (status)
     em_start_free(balls);
@@ -347,16 +330,14 @@ static bool read_series(const struct em_run_file *file, const char *name, struct
   char path[256];
   struct em_h5_shape shape;
   snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s/time", name);
-  if (!read_times(file, path, &s->count, &s->time) || !are_rising(s->time, s->count))
-    return false;
+  if (!read_times(file, path, &s->count, &s->time) || !are_rising(s->time, s->count)) return false;
   snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s/value", name);
   if (!em_h5_shape(file->file, path, &shape) || shape.rank < 1 || shape.rank > 2 ||
       shape.dims[0] != s->count)
     return false;
   s->width = shape.rank == 2 ? (size_t)shape.dims[1] : 1;
   s->value = calloc(s->count * s->width + 1, sizeof *s->value);
-  if (!em_h5_get_text(file->file, path, "unit", s->unit, sizeof s->unit))
-    s->unit[0] = '\0';
+  if (!em_h5_get_text(file->file, path, "unit", s->unit, sizeof s->unit)) s->unit[0] = '\0';
   return s->value && em_h5_read(file->file, path, H5T_NATIVE_DOUBLE, s->value);
 }
 
@@ -365,8 +346,7 @@ enum em_status em_run_file_series(const struct em_run_file *file, const char *na
   if (!em_run_file_has(file, name))
     return em_error_set(err, EM_INPUT, file->path, 0, "has no observable \"%s\"", name);
   struct em_series *series = calloc(1, sizeof *series);
-  if (!series)
-    return no_memory(file, err);
+  if (!series) return no_memory(file, err);
   if (!read_series(file, name, series)) {
     em_run_file_series_free(series);
     return em_run_file_damaged(file, name, err);
@@ -376,8 +356,7 @@ enum em_status em_run_file_series(const struct em_run_file *file, const char *na
 }
 
 void em_run_file_series_free(struct em_series *series) {
-  if (!series)
-    return;
+  if (!series) return;
   free(series->time);
   free(series->value);
   free(series);
@@ -414,12 +393,11 @@ enum em_status em_run_file_block(const struct em_run_file *file, size_t k, uint6
              : em_run_file_damaged(file, "histogram", err);
 }
 
-enum em_status em_run_file_checkpoint(const struct em_run_file *file,
-                                      struct em_snapshot **snapshot, struct em_error *err) {
+enum em_status em_run_file_checkpoint(const struct em_run_file *file, struct em_snapshot **snapshot,
+                                      struct em_error *err) {
   struct em_error inner = {0};
   *snapshot = em_checkpoint_read(file->file, file->path, file->balls,
                                  em_scene_blade_count(file->scene), file->has_spin, &inner);
-  if (!*snapshot && err)
-    *err = inner;
+  if (!*snapshot && err) *err = inner;
   return inner.code;
 }

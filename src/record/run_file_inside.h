@@ -20,6 +20,6 @@ struct em_run_file {
 enum em_status em_run_file_damaged(const struct em_run_file *file, const char *what,
                                    struct em_error *err);
 /* Looks for the collision table; false: it is damaged. */
-bool em_run_file_find_rows(struct em_run_file *file);
+bool em_run_file_rows_find(struct em_run_file *file);
 
 #endif

@@ -8,12 +8,10 @@
 
 struct em_rows *em_run_file_rows_new(unsigned columns) {
   struct em_rows *rows = calloc(1, sizeof *rows);
-  if (!rows)
-    return NULL;
+  if (!rows) return NULL;
   for (size_t i = 0; i < em_table_column_count; i++) {
     const struct em_table_column *column = &em_table_columns[i];
-    if (!(columns & column->bit))
-      continue;
+    if (!(columns & column->bit)) continue;
     void *array = calloc(EM_ROWS_BLOCK, column->size);
     if (!array) {
       em_run_file_rows_free(rows);
@@ -25,8 +23,7 @@ struct em_rows *em_run_file_rows_new(unsigned columns) {
 }
 
 void em_run_file_rows_free(struct em_rows *rows) {
-  if (!rows)
-    return;
+  if (!rows) return;
   for (size_t i = 0; i < em_table_column_count; i++)
     free(*em_table_array(&em_table_columns[i], rows));
   free(rows);
@@ -36,7 +33,7 @@ static void path_of(const struct em_table_column *column, char *path, size_t siz
   snprintf(path, size, EM_LAYOUT_TABLE "/%s", column->name);
 }
 
-bool em_run_file_find_rows(struct em_run_file *file) {
+bool em_run_file_rows_find(struct em_run_file *file) {
   file->has_rows = file->scene->record.collisions;
   for (size_t i = 0; i < em_table_column_count && file->has_rows; i++) {
     const struct em_table_column *column = &em_table_columns[i];
@@ -46,10 +43,8 @@ bool em_run_file_find_rows(struct em_run_file *file) {
     if (!em_h5_shape(file->file, path, &shape) || shape.rank != (column->width > 1 ? 2 : 1) ||
         (column->width > 1 && shape.dims[1] != column->width))
       return false;
-    if (i == 0)
-      file->rows = shape.dims[0];
-    if (shape.dims[0] != file->rows)
-      return false;
+    if (i == 0) file->rows = shape.dims[0];
+    if (shape.dims[0] != file->rows) return false;
   }
   return true;
 }
@@ -82,13 +77,10 @@ enum em_status em_run_file_rows(const struct em_run_file *file, uint64_t first,
     const struct em_table_column *column = &em_table_columns[i];
     void *array = *em_table_array(column, rows);
     char path[128];
-    if (!array)
-      continue;
+    if (!array) continue;
     path_of(column, path, sizeof path);
-    if (!em_h5_read_rows(file->file, path, em_table_memory_type(column), first, rows->count,
-                         array))
+    if (!em_h5_read_rows(file->file, path, em_table_memory_type(column), first, rows->count, array))
       return em_run_file_damaged(file, "collision table", err);
   }
-  return indices_are_valid(file, rows) ? EM_OK
-                                       : em_run_file_damaged(file, "collision table", err);
+  return indices_are_valid(file, rows) ? EM_OK : em_run_file_damaged(file, "collision table", err);
 }

@@ -26,8 +26,7 @@ void em_summary_end(struct em_summary_part *part) {
 
 static bool grow(double **array, size_t room) {
   double *more = realloc(*array, room * sizeof *more);
-  if (more)
-    *array = more;
+  if (more) *array = more;
   return more;
 }
 
@@ -50,8 +49,7 @@ static bool is_steady(const struct em_summary_part *part, double time) {
 
 void em_summary_block(struct em_summary_part *part, double start, double end,
                       const uint64_t *counts) {
-  if (!is_steady(part, start))
-    return;
+  if (!is_steady(part, start)) return;
   for (size_t i = 0; i < EM_CLASS_COUNT * (size_t)EM_TALLY_BINS; i++)
     part->vn[i % EM_TALLY_BINS] += counts[i];
   part->covered += end - start;
@@ -61,8 +59,7 @@ void em_summary_block(struct em_summary_part *part, double start, double end,
 
 /* Counts are taken to be spread evenly over their bin. */
 static double median_of(const uint64_t *vn, uint64_t total) {
-  if (total == 0)
-    return NAN;
+  if (total == 0) return NAN;
   const double half = 0.5 * (double)total;
   double below = 0.0;
   for (size_t k = 0; k < EM_TALLY_BINS; k++) {
@@ -80,8 +77,7 @@ static void fill_vn(struct em_summary *summary, const uint64_t *vn, double time)
   uint64_t total = 0, hard = 0;
   for (size_t k = 0; k < EM_TALLY_BINS; k++) {
     total += vn[k];
-    if (em_world_bin_edge(k) >= HARD_FROM)
-      hard += vn[k];
+    if (em_world_bin_edge(k) >= HARD_FROM) hard += vn[k];
   }
   summary->median_vn = median_of(vn, total);
   summary->rate_above_3 = time > 0.0 ? (double)hard / time : NAN;
@@ -117,7 +113,8 @@ static void fill_samples(struct em_summary *summary, const struct em_summary_par
   summary->median_speed = count ? sum / (double)count : now->median_speed;
   const size_t last = part->samples - 1;
   if (count > 1)
-    summary->power = (part->work[last] - part->work[first]) / (part->time[last] - part->time[first]);
+    summary->power =
+        (part->work[last] - part->work[first]) / (part->time[last] - part->time[first]);
   else
     summary->power =
         summary->simulated_time > 0.0 ? em_observe_work(world) / summary->simulated_time : NAN;
@@ -134,8 +131,7 @@ static bool falls_for_ever(const struct em_scene *scene) {
 
 static double energy_error(const struct em_scene *scene, const struct em_world *world,
                            const struct em_run_state *state, const struct em_energy *now) {
-  if (falls_for_ever(scene))
-    return NAN;
+  if (falls_for_ever(scene)) return NAN;
   const double kinetic = now->kinetic + now->spin;
   const double work = em_observe_work(world), lost = em_observe_lost(world);
   const double rise = now->potential - state->potential_start;

@@ -19,7 +19,8 @@ struct em_summary_part {
 bool em_summary_begin(struct em_summary_part *part, double duration);
 void em_summary_end(struct em_summary_part *part);
 
-/* A sample of the observables; a complete block of the histogram ([EM_CLASS_COUNT * EM_TALLY_BINS]). */
+/* A sample of the observables; a complete block of the histogram ([EM_CLASS_COUNT *
+ * EM_TALLY_BINS]). */
 bool em_summary_sample(struct em_summary_part *part, double time, double median, double work);
 void em_summary_block(struct em_summary_part *part, double start, double end,
                       const uint64_t *counts);

@@ -7,8 +7,8 @@
 
 #include "record/layout.h"
 
-/* Below level FLOATS_FROM single-precision columns are stored as they are: their mantissas are noise,
- * and deflate takes longer for them than for all others to gain a sixth. */
+/* Below level FLOATS_FROM single-precision columns are stored as they are: their mantissas are
+ * noise, and deflate takes longer for them than for all others to gain a sixth. */
 enum { CHUNK_ROWS = 32768, FLOATS_FROM = 4 };
 
 /* While one block is being filled, the other is being written. */
@@ -30,10 +30,10 @@ struct em_table {
   pthread_mutex_t hdf5; /* held by whoever uses HDF5 */
 };
 
-#define COLUMN(name, unit, bit, member, width)                                                     \
-  {                                                                                                \
-    name, unit, EM_COLUMN_##bit, offsetof(struct em_rows, member),                                 \
-        sizeof *((struct em_rows *)0)->member, width                                               \
+#define COLUMN(name, unit, bit, member, width)                     \
+  {                                                                \
+    name, unit, EM_COLUMN_##bit, offsetof(struct em_rows, member), \
+        sizeof *((struct em_rows *)0)->member, width               \
   }
 
 const struct em_table_column em_table_columns[] = {
@@ -122,8 +122,7 @@ static void *work(void *self) {
   for (;;) {
     while (!table->pending && !table->quit)
       pthread_cond_wait(&table->changed, &table->mutex);
-    if (!table->pending)
-      break;
+    if (!table->pending) break;
     pthread_mutex_unlock(&table->mutex);
     const bool good = write_block(table, table->pending);
     pthread_mutex_lock(&table->mutex);
@@ -163,8 +162,7 @@ static void hand_over(struct em_table *table) {
 
 struct em_table *em_table_new(uint64_t rows) {
   struct em_table *table = calloc(1, sizeof *table);
-  if (!table)
-    return NULL;
+  if (!table) return NULL;
   table->block[0].rows = em_run_file_rows_new(EM_COLUMN_ALL);
   table->block[1].rows = em_run_file_rows_new(EM_COLUMN_ALL);
   pthread_mutex_init(&table->mutex, NULL);
@@ -175,8 +173,7 @@ struct em_table *em_table_new(uint64_t rows) {
     begin(&table->block[0], rows);
     good = pthread_create(&table->thread, NULL, work, table) == 0;
   }
-  if (good)
-    return table;
+  if (good) return table;
   em_run_file_rows_free(table->block[0].rows);
   em_run_file_rows_free(table->block[1].rows);
   free(table);
@@ -184,8 +181,7 @@ struct em_table *em_table_new(uint64_t rows) {
 }
 
 void em_table_free(struct em_table *table) {
-  if (!table)
-    return;
+  if (!table) return;
   pthread_mutex_lock(&table->mutex);
   table->quit = true;
   pthread_cond_broadcast(&table->changed);
@@ -230,20 +226,18 @@ void em_table_add(struct em_table *table, const struct em_contact *contact) {
   rows->vn[i] = (float)contact->vn;
   rows->vt[i] = (float)contact->vt;
   rows->lost[i] = (float)contact->lost;
-  if (rows->count == block->room)
-    hand_over(table);
+  if (rows->count == block->room) hand_over(table);
 }
 
-/* The block that is being filled is written as far as it is; it will be written again when full, so that
- * each chunk is compressed once as a whole. */
+/* The block that is being filled is written as far as it is; it will be written again when full, so
+ * that each chunk is compressed once as a whole. */
 bool em_table_flush(struct em_table *table) {
   pthread_mutex_lock(&table->mutex);
   wait_idle(table);
   const bool failed = table->failed;
   pthread_mutex_unlock(&table->mutex);
   const struct block *block = &table->block[table->filling];
-  if (failed || block->rows->count == 0)
-    return !failed;
+  if (failed || block->rows->count == 0) return !failed;
   table->failed = !write_block(table, block);
   return !table->failed;
 }

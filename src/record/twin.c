@@ -21,7 +21,7 @@ struct em_twin {
   size_t dirty_words;
   uint64_t written; /* bytes: the hidden copy's length as HDF5 sees it */
   bool published;
-  int error;   /* errno of the first failed write */
+  int error; /* errno of the first failed write */
   hid_t driver;
 };
 
@@ -38,10 +38,8 @@ static int write_all(int fd, const void *data, size_t size, uint64_t at) {
   const char *from = data;
   while (size > 0) {
     const ssize_t n = pwrite(fd, from, size, (off_t)at);
-    if (n < 0 && errno == EINTR)
-      continue;
-    if (n <= 0)
-      return n < 0 ? errno : EIO;
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return n < 0 ? errno : EIO;
     from += n;
     at += (uint64_t)n;
     size -= (size_t)n;
@@ -54,10 +52,8 @@ static int read_all(int fd, void *data, size_t size, uint64_t at) {
   char *to = data;
   while (size > 0) {
     const ssize_t n = pread(fd, to, size, (off_t)at);
-    if (n < 0 && errno == EINTR)
-      continue;
-    if (n < 0)
-      return errno;
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
     if (n == 0) {
       memset(to, 0, size);
       return 0;
@@ -71,14 +67,12 @@ static int read_all(int fd, void *data, size_t size, uint64_t at) {
 
 static int copy_range(int from, int to, uint64_t at, uint64_t size) {
   char *room = malloc(COPY_ROOM);
-  if (!room)
-    return ENOMEM;
+  if (!room) return ENOMEM;
   int error = 0;
   while (size > 0 && !error) {
     const size_t part = size < COPY_ROOM ? (size_t)size : (size_t)COPY_ROOM;
     error = read_all(from, room, part, at);
-    if (!error)
-      error = write_all(to, room, part, at);
+    if (!error) error = write_all(to, room, part, at);
     at += part;
     size -= part;
   }
@@ -88,8 +82,7 @@ static int copy_range(int from, int to, uint64_t at, uint64_t size) {
 
 static int file_size(int fd, uint64_t *size) {
   struct stat info;
-  if (fstat(fd, &info) != 0)
-    return errno;
+  if (fstat(fd, &info) != 0) return errno;
   *size = (uint64_t)info.st_size;
   return 0;
 }
@@ -97,23 +90,20 @@ static int file_size(int fd, uint64_t *size) {
 static int copy_whole(int from, int to) {
   uint64_t size = 0;
   int error = file_size(from, &size);
-  if (!error && ftruncate(to, 0) != 0)
-    error = errno;
+  if (!error && ftruncate(to, 0) != 0) error = errno;
   return error ? error : copy_range(from, to, 0, size);
 }
 
 /* ---------------------------------------------------------------- pages that changed */
 
 static bool mark(struct em_twin *twin, uint64_t at, size_t size) {
-  if (size == 0)
-    return true;
+  if (size == 0) return true;
   const uint64_t first = at >> PAGE_BITS, last = (at + size - 1) >> PAGE_BITS;
   const size_t words = (size_t)(last / 64 + 1);
   if (words > twin->dirty_words) {
     const size_t room = words + words / 2 + 64;
     uint64_t *more = realloc(twin->dirty, room * sizeof *more);
-    if (!more)
-      return false;
+    if (!more) return false;
     memset(more + twin->dirty_words, 0, (room - twin->dirty_words) * sizeof *more);
     twin->dirty = more;
     twin->dirty_words = room;
@@ -136,14 +126,12 @@ static int copy_marked(struct em_twin *twin, int from, int to) {
     const uint64_t first = page;
     while (page < pages && is_marked(twin, page))
       page++;
-    if (page == first)
-      continue;
+    if (page == first) continue;
     const uint64_t begin = first << PAGE_BITS;
     const uint64_t end = page << PAGE_BITS < size ? page << PAGE_BITS : size;
     error = copy_range(from, to, begin, end - begin);
   }
-  if (!error && ftruncate(to, (off_t)size) != 0)
-    error = errno;
+  if (!error && ftruncate(to, (off_t)size) != 0) error = errno;
   return error;
 }
 
@@ -158,13 +146,11 @@ static H5FD_t *driver_open(const char *name, unsigned flags, hid_t fapl, haddr_t
   (void)maxaddr;
   const struct access *info = H5Pget_driver_info(fapl);
   struct handle *h = info ? calloc(1, sizeof *h) : NULL;
-  if (!h)
-    return NULL;
+  if (!h) return NULL;
   h->twin = info->twin;
   if (flags & H5F_ACC_TRUNC) {
     h->twin->written = 0;
-    if (ftruncate(h->twin->fd, 0) != 0)
-      h->twin->error = errno;
+    if (ftruncate(h->twin->fd, 0) != 0) h->twin->error = errno;
   } else if (file_size(h->twin->fd, &h->twin->written) != 0) {
     free(h);
     return NULL;
@@ -222,8 +208,7 @@ static herr_t driver_write(H5FD_t *head, H5FD_mem_t type, hid_t dxpl, haddr_t at
   struct em_twin *twin = ((struct handle *)head)->twin;
   if (!twin->error)
     twin->error = mark(twin, at, size) ? write_all(twin->fd, data, size, at) : ENOMEM;
-  if (at + size > twin->written)
-    twin->written = at + size;
+  if (at + size > twin->written) twin->written = at + size;
   return 0;
 }
 
@@ -232,10 +217,8 @@ static herr_t driver_truncate(H5FD_t *head, hid_t dxpl, hbool_t closing) {
   (void)closing;
   struct handle *h = (struct handle *)head;
   struct em_twin *twin = h->twin;
-  if (h->eoa == twin->written)
-    return 0;
-  if (!twin->error && ftruncate(twin->fd, (off_t)h->eoa) != 0)
-    twin->error = errno;
+  if (h->eoa == twin->written) return 0;
+  if (!twin->error && ftruncate(twin->fd, (off_t)h->eoa) != 0) twin->error = errno;
   twin->written = h->eoa;
   return 0;
 }
@@ -286,22 +269,18 @@ static char *name_with(const char *path, const char *ending) {
 /* A writable file is a plain one, or none yet. */
 static enum em_status check_target(const struct em_twin *twin, struct em_error *err) {
   struct stat info;
-  if (stat(twin->path, &info) != 0)
-    return errno == ENOENT ? EM_OK : cannot(twin, errno, err);
+  if (stat(twin->path, &info) != 0) return errno == ENOENT ? EM_OK : cannot(twin, errno, err);
   if (!S_ISREG(info.st_mode))
     return em_error_set(err, EM_FILE, twin->path, 0, "is not a plain file");
-  if (access(twin->path, W_OK) != 0)
-    return cannot(twin, errno, err);
+  if (access(twin->path, W_OK) != 0) return cannot(twin, errno, err);
   return EM_OK;
 }
 
 static enum em_status open_hidden(struct em_twin *twin, struct em_error *err) {
   enum em_status status = check_target(twin, err);
-  if (status)
-    return status;
+  if (status) return status;
   twin->fd = open(twin->next, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (twin->fd < 0)
-    return cannot(twin, errno, err);
+  if (twin->fd < 0) return cannot(twin, errno, err);
   if (!lock(twin->fd)) {
     close(twin->fd);
     twin->fd = -1;
@@ -324,8 +303,7 @@ static enum em_status copy_visible(struct em_twin *twin, struct em_error *err) {
 enum em_status em_twin_new(struct em_twin **out, const char *path, bool from_existing,
                            struct em_error *err) {
   struct em_twin *twin = calloc(1, sizeof *twin);
-  if (!twin)
-    return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
+  if (!twin) return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
   twin->fd = -1;
   twin->path = name_with(path, "");
   twin->next = name_with(path, ".next");
@@ -334,10 +312,8 @@ enum em_status em_twin_new(struct em_twin **out, const char *path, bool from_exi
   enum em_status status = EM_OK;
   if (!twin->path || !twin->next || !twin->spare || twin->driver < 0)
     status = em_error_set(err, EM_MEMORY, path, 0, "out of memory");
-  if (!status)
-    status = open_hidden(twin, err);
-  if (!status && from_existing)
-    status = copy_visible(twin, err);
+  if (!status) status = open_hidden(twin, err);
+  if (!status && from_existing) status = copy_visible(twin, err);
   if (status) {
     em_twin_free(twin);
     return status;
@@ -347,15 +323,13 @@ enum em_status em_twin_new(struct em_twin **out, const char *path, bool from_exi
 }
 
 void em_twin_free(struct em_twin *twin) {
-  if (!twin)
-    return;
+  if (!twin) return;
   if (twin->fd >= 0) {
     (void)unlink(twin->next);
     (void)unlink(twin->spare);
     close(twin->fd);
   }
-  if (twin->driver > 0)
-    H5FDunregister(twin->driver);
+  if (twin->driver > 0) H5FDunregister(twin->driver);
   free(twin->path);
   free(twin->next);
   free(twin->spare);
@@ -381,16 +355,13 @@ const char *em_twin_name(const struct em_twin *twin) {
  * the file system has no hard links, or somebody is reading it. */
 static int keep_old(const struct em_twin *twin) {
   (void)unlink(twin->spare);
-  if (!twin->published || link(twin->path, twin->spare) != 0)
-    return -1;
+  if (!twin->published || link(twin->path, twin->spare) != 0) return -1;
   const int fd = open(twin->spare, O_RDWR | O_CLOEXEC);
   if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
     (void)flock(fd, LOCK_UN);
-    if (lock(fd))
-      return fd;
+    if (lock(fd)) return fd;
   }
-  if (fd >= 0)
-    close(fd);
+  if (fd >= 0) close(fd);
   (void)unlink(twin->spare);
   return -1;
 }
@@ -399,35 +370,29 @@ static int keep_old(const struct em_twin *twin) {
 static int renew_hidden(struct em_twin *twin, int old) {
   int error = 0;
   if (old >= 0) {
-    if (rename(twin->spare, twin->next) != 0)
-      error = errno;
-    if (!error)
-      error = copy_marked(twin, twin->fd, old);
+    if (rename(twin->spare, twin->next) != 0) error = errno;
+    if (!error) error = copy_marked(twin, twin->fd, old);
   } else {
     old = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (old < 0)
-      return errno;
+    if (old < 0) return errno;
     (void)lock(old);
     error = copy_whole(twin->fd, old);
   }
   unlock(twin->fd);
   close(twin->fd);
   twin->fd = old;
-  if (twin->dirty)
-    memset(twin->dirty, 0, twin->dirty_words * sizeof *twin->dirty);
+  if (twin->dirty) memset(twin->dirty, 0, twin->dirty_words * sizeof *twin->dirty);
   return error;
 }
 
 enum em_status em_twin_publish(struct em_twin *twin, bool last, struct em_error *err) {
   if (!twin->error && fdatasync(twin->fd) != 0 && errno != EINVAL && errno != EROFS)
     twin->error = errno;
-  if (twin->error)
-    return cannot(twin, twin->error, err);
+  if (twin->error) return cannot(twin, twin->error, err);
   const int old = last ? -1 : keep_old(twin);
   if (rename(twin->next, twin->path) != 0) {
     twin->error = errno;
-    if (old >= 0)
-      close(old);
+    if (old >= 0) close(old);
     (void)unlink(twin->spare);
     return cannot(twin, twin->error, err);
   }

@@ -1,7 +1,7 @@
 /* A file in two copies, so that the one that the world sees is complete at every moment.
  *
- * HDF5 writes into the hidden copy PATH.next alone. em_twin_publish, called when HDF5 has closed its
- * file, makes that copy appear as PATH in one atomic rename; the former PATH becomes the hidden
+ * HDF5 writes into the hidden copy PATH.next alone. em_twin_publish, called when HDF5 has closed
+ * its file, makes that copy appear as PATH in one atomic rename; the former PATH becomes the hidden
  * copy and gets those pages that differ. Whenever the program dies, PATH is a closed HDF5 file. */
 #ifndef EVENTMILL_TWIN_H
 #define EVENTMILL_TWIN_H
@@ -21,7 +21,8 @@ enum em_status em_twin_new(struct em_twin **twin, const char *path, bool from_ex
 /* Ends the work: the hidden copy is removed, PATH stays as it was last published. */
 void em_twin_free(struct em_twin *twin);
 
-/* A file access list that leads HDF5 to the hidden copy; to be closed by the caller. Negative: no. */
+/* A file access list that leads HDF5 to the hidden copy; to be closed by the caller. Negative: no.
+ */
 hid_t em_twin_access(struct em_twin *twin);
 
 /* The name to give to H5Fcreate and H5Fopen. */

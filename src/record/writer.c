@@ -26,21 +26,18 @@ static enum em_status make(struct em_writer **out, const char *path, const struc
                            bool resume, struct em_error *err) {
   em_h5_quiet();
   struct em_writer *writer = calloc(1, sizeof *writer);
-  if (!writer)
-    return no_memory(path, err);
+  if (!writer) return no_memory(path, err);
   writer->file = -1;
   writer->scene = scene;
   *out = writer;
   writer->path = strdup(path);
-  if (!writer->path || !em_writer_file_logs(writer))
-    return no_memory(path, err);
+  if (!writer->path || !em_writer_file_logs(writer)) return no_memory(path, err);
   return em_twin_new(&writer->twin, path, resume, err);
 }
 
 static hid_t open_file(const struct em_writer *writer, bool create) {
   const hid_t fapl = em_twin_access(writer->twin);
-  if (fapl < 0)
-    return -1;
+  if (fapl < 0) return -1;
   H5Pset_libver_bounds(fapl, H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(fapl, H5F_CLOSE_STRONG);
   const char *name = em_twin_name(writer->twin);
@@ -51,17 +48,15 @@ static hid_t open_file(const struct em_writer *writer, bool create) {
 }
 
 static bool make_table(struct em_writer *writer, uint64_t rows) {
-  if (!writer->scene->record.collisions)
-    return true;
+  if (!writer->scene->record.collisions) return true;
   writer->table = em_table_new(rows);
-  if (writer->table)
-    em_table_open(writer->table, writer->file);
+  if (writer->table) em_table_open(writer->table, writer->file);
   return writer->table;
 }
 
-enum em_status em_writer_new(struct em_writer **out, const char *path,
-                             const struct em_scene *scene, const struct em_balls *balls,
-                             const struct em_snapshot *snapshot, struct em_error *err) {
+enum em_status em_writer_new(struct em_writer **out, const char *path, const struct em_scene *scene,
+                             const struct em_balls *balls, const struct em_snapshot *snapshot,
+                             struct em_error *err) {
   struct em_writer *writer = NULL;
   enum em_status status = make(&writer, path, scene, false, err);
   if (!status) {
@@ -70,8 +65,7 @@ enum em_status em_writer_new(struct em_writer **out, const char *path,
         em_twin_errno(writer->twin))
       status = failed(writer, err);
   }
-  if (!status && !make_table(writer, 0))
-    status = no_memory(path, err);
+  if (!status && !make_table(writer, 0)) status = no_memory(path, err);
   if (status) {
     em_writer_free(writer);
     return status;
@@ -91,8 +85,7 @@ enum em_status em_writer_resume(struct em_writer **out, const char *path,
     else if (em_twin_errno(writer->twin))
       status = failed(writer, err);
   }
-  if (!status && !make_table(writer, writer->rows))
-    status = no_memory(path, err);
+  if (!status && !make_table(writer, writer->rows)) status = no_memory(path, err);
   if (status) {
     em_writer_free(writer);
     return status;
@@ -102,11 +95,9 @@ enum em_status em_writer_resume(struct em_writer **out, const char *path,
 }
 
 void em_writer_free(struct em_writer *writer) {
-  if (!writer)
-    return;
+  if (!writer) return;
   em_table_free(writer->table);
-  if (writer->file >= 0)
-    H5Fclose(writer->file);
+  if (writer->file >= 0) H5Fclose(writer->file);
   em_twin_free(writer->twin);
   em_writer_file_free_logs(writer);
   free(writer->path);
@@ -132,13 +123,11 @@ bool em_writer_is_published(const struct em_writer *writer) {
 /* ---------------------------------------------------------------- taking in */
 
 static void lock(struct em_writer *writer) {
-  if (writer->table)
-    em_table_lock(writer->table);
+  if (writer->table) em_table_lock(writer->table);
 }
 
 static void unlock(struct em_writer *writer) {
-  if (writer->table)
-    em_table_unlock(writer->table);
+  if (writer->table) em_table_unlock(writer->table);
 }
 
 static bool write_logs(struct em_writer *writer, struct em_log *const *logs, size_t count) {
@@ -156,8 +145,7 @@ static size_t frame_logs(struct em_writer *writer, struct em_log **logs) {
   logs[count++] = &writer->frame_time;
   logs[count++] = &writer->position;
   logs[count++] = &writer->velocity;
-  if (writer->has_spin)
-    logs[count++] = &writer->spin;
+  if (writer->has_spin) logs[count++] = &writer->spin;
   return count;
 }
 
@@ -166,16 +154,14 @@ static size_t sample_logs(struct em_writer *writer, struct em_log **logs) {
   logs[count++] = &writer->sample_step;
   logs[count++] = &writer->sample_time;
   for (size_t i = 0; i < em_observe_count; i++)
-    if (writer->has_observable[i])
-      logs[count++] = &writer->observable[i];
+    if (writer->has_observable[i]) logs[count++] = &writer->observable[i];
   return count;
 }
 
 /* All logs of a set are filled in step; room for a frame may be less than for its time. */
 static bool make_room(struct em_writer *writer, struct em_log *const *logs, size_t count) {
   for (size_t i = 0; i < count; i++)
-    if (em_log_is_full(logs[i]))
-      return write_logs(writer, logs, count);
+    if (em_log_is_full(logs[i])) return write_logs(writer, logs, count);
   return true;
 }
 
@@ -188,23 +174,20 @@ _Static_assert(sizeof(struct em_vec) == 3 * sizeof(double), "vectors are stored 
 enum em_status em_writer_frame(struct em_writer *writer, double time, const struct em_balls *balls,
                                struct em_error *err) {
   struct em_log *logs[EM_WRITER_FRAME_LOGS];
-  if (!make_room(writer, logs, frame_logs(writer, logs)))
-    return failed(writer, err);
+  if (!make_room(writer, logs, frame_logs(writer, logs))) return failed(writer, err);
   const int64_t step = (int64_t)em_writer_frames(writer);
   *(int64_t *)em_log_next(&writer->frame_step) = step;
   *(double *)em_log_next(&writer->frame_time) = time;
   put_vectors(&writer->position, balls->position, balls->count);
   put_vectors(&writer->velocity, balls->velocity, balls->count);
-  if (writer->has_spin)
-    put_vectors(&writer->spin, balls->spin, balls->count);
+  if (writer->has_spin) put_vectors(&writer->spin, balls->spin, balls->count);
   return EM_OK;
 }
 
 enum em_status em_writer_sample(struct em_writer *writer, const struct em_observe_state *state,
                                 struct em_error *err) {
   struct em_log *logs[EM_WRITER_SAMPLE_LOGS];
-  if (!make_room(writer, logs, sample_logs(writer, logs)))
-    return failed(writer, err);
+  if (!make_room(writer, logs, sample_logs(writer, logs))) return failed(writer, err);
   const int64_t step = (int64_t)em_writer_samples(writer);
   *(int64_t *)em_log_next(&writer->sample_step) = step;
   *(double *)em_log_next(&writer->sample_time) = state->time;
@@ -224,15 +207,13 @@ enum em_status em_writer_block(struct em_writer *writer, double start, double en
       em_h5_write_rows(file, EM_LAYOUT_HISTOGRAM "/end", H5T_NATIVE_DOUBLE, k, 1, &end) &&
       em_h5_write_rows(file, EM_LAYOUT_HISTOGRAM "/counts", H5T_NATIVE_UINT64, k, 1, counts);
   unlock(writer);
-  if (!good)
-    return failed(writer, err);
+  if (!good) return failed(writer, err);
   writer->blocks += !open;
   return EM_OK;
 }
 
 void em_writer_contact(struct em_writer *writer, const struct em_contact *contact) {
-  if (writer->table)
-    em_table_add(writer->table, contact);
+  if (writer->table) em_table_add(writer->table, contact);
 }
 
 bool em_writer_has_failed(struct em_writer *writer) {
@@ -250,25 +231,21 @@ static bool write_held(struct em_writer *writer) {
 
 static bool reopen(struct em_writer *writer) {
   writer->file = open_file(writer, false);
-  if (writer->table)
-    em_table_open(writer->table, writer->file);
+  if (writer->table) em_table_open(writer->table, writer->file);
   return writer->file >= 0;
 }
 
 enum em_status em_writer_flush(struct em_writer *writer, const struct em_writer_flush *flush,
                                struct em_error *err) {
   bool good = write_held(writer);
-  if (writer->table)
-    writer->rows = em_table_rows(writer->table);
+  if (writer->table) writer->rows = em_table_rows(writer->table);
   good = good && em_writer_file_state(writer, &flush->state) &&
          em_provenance_write(writer->file, writer->session, &flush->session) &&
          em_checkpoint_write(writer->file, flush->snapshot);
   good = H5Fclose(writer->file) >= 0 && good;
   writer->file = -1;
-  if (!good)
-    return failed(writer, err);
+  if (!good) return failed(writer, err);
   const enum em_status status = em_twin_publish(writer->twin, flush->last, err);
-  if (status || flush->last)
-    return status;
+  if (status || flush->last) return status;
   return reopen(writer) ? EM_OK : failed(writer, err);
 }

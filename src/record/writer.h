@@ -16,8 +16,8 @@ struct em_writer_flush {
   bool last; /* nothing will be written any more */
 };
 
-/* Begins a new run file; `balls` are those at the start. Nothing is at `path` before the first flush.
- * Errors: EM_FILE, EM_MEMORY. */
+/* Begins a new run file; `balls` are those at the start. Nothing is at `path` before the first
+ * flush. Errors: EM_FILE, EM_MEMORY. */
 enum em_status em_writer_new(struct em_writer **writer, const char *path,
                              const struct em_scene *scene, const struct em_balls *balls,
                              const struct em_snapshot *snapshot, struct em_error *err);

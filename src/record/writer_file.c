@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "eventmill/recorder.h"
 #include "record/checkpoint.h"
 #include "record/layout.h"
 #include "record/provenance.h"
@@ -17,7 +16,7 @@ static bool frame_logs(struct em_writer *w) {
   const hsize_t dims[2] = {em_scene_ball_count(w->scene), 3};
   const char *home = EM_LAYOUT_BALLS;
   char path[128];
-#define INIT(log, ending, type, rank)                                                              \
+#define INIT(log, ending, type, rank) \
   (snprintf(path, sizeof path, "%s/%s", home, ending), em_log_init(log, path, type, rank, dims))
   return INIT(&w->frame_step, "position/step", EM_LOG_STEP, 1) &&
          INIT(&w->frame_time, "position/time", EM_LOG_DOUBLE, 1) &&
@@ -39,8 +38,7 @@ static bool sample_logs(struct em_writer *w) {
     const struct em_observable *o = &em_observe_list[i];
     const hsize_t width = o->width(w->scene);
     w->has_observable[i] = width > 0;
-    if (!width)
-      continue;
+    if (!width) continue;
     snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s/value", o->name);
     good = em_log_init(&w->observable[i], path, o->is_count ? EM_LOG_COUNT : EM_LOG_DOUBLE,
                        o->is_vector ? 2 : 1, &width);
@@ -81,7 +79,7 @@ static bool create_h5md(hid_t file) {
          em_h5_put_text(file, EM_LAYOUT_H5MD "/author", "name", author) &&
          em_h5_group(file, EM_LAYOUT_H5MD "/creator") &&
          em_h5_put_text(file, EM_LAYOUT_H5MD "/creator", "name", "eventmill") &&
-         em_h5_put_text(file, EM_LAYOUT_H5MD "/creator", "version", em_recorder_version()) &&
+         em_h5_put_text(file, EM_LAYOUT_H5MD "/creator", "version", em_provenance_version()) &&
          em_h5_group(file, EM_LAYOUT_H5MD "/modules") &&
          em_h5_group(file, EM_LAYOUT_H5MD "/modules/units") &&
          put_version(file, EM_LAYOUT_H5MD "/modules/units") &&
@@ -128,18 +126,16 @@ static bool create_element(hid_t file, const char *path, const struct em_log *st
 
 static bool create_frames(const struct em_writer *w) {
   const int deflate = w->scene->record.compression;
-  if (w->scene->record.frames <= 0.0)
-    return true;
+  if (w->scene->record.frames <= 0.0) return true;
   return em_h5_group(w->file, EM_LAYOUT_BALLS "/position") &&
          em_log_create(&w->frame_step, w->file, 0, NULL) &&
          em_log_create(&w->frame_time, w->file, 0, "s") &&
          em_log_create(&w->position, w->file, deflate, "m") &&
          create_element(w->file, EM_LAYOUT_BALLS "/velocity", &w->frame_step, &w->frame_time) &&
          em_log_create(&w->velocity, w->file, deflate, "m s-1") &&
-         (!w->has_spin ||
-          (create_element(w->file, EM_LAYOUT_BALLS "/angular_velocity", &w->frame_step,
-                          &w->frame_time) &&
-           em_log_create(&w->spin, w->file, deflate, "s-1")));
+         (!w->has_spin || (create_element(w->file, EM_LAYOUT_BALLS "/angular_velocity",
+                                          &w->frame_step, &w->frame_time) &&
+                           em_log_create(&w->spin, w->file, deflate, "s-1")));
 }
 
 static bool create_balls(const struct em_writer *w, const struct em_balls *balls) {
@@ -154,14 +150,12 @@ static bool create_balls(const struct em_writer *w, const struct em_balls *balls
 }
 
 static bool create_observables(const struct em_writer *w) {
-  if (w->scene->record.observables <= 0.0)
-    return true;
+  if (w->scene->record.observables <= 0.0) return true;
   bool good = em_h5_group(w->file, EM_LAYOUT_OBSERVABLES);
   for (size_t i = 0; i < em_observe_count && good; i++) {
     const struct em_observable *o = &em_observe_list[i];
     char path[128];
-    if (!w->has_observable[i])
-      continue;
+    if (!w->has_observable[i]) continue;
     snprintf(path, sizeof path, EM_LAYOUT_OBSERVABLES "/%s", o->name);
     if (i == 0)
       good = em_h5_group(w->file, path) && em_log_create(&w->sample_step, w->file, 0, NULL) &&
@@ -182,8 +176,7 @@ static bool put_classes(hid_t file, const char *path) {
 
 static bool create_histogram(const struct em_writer *w) {
   double *edges = malloc((EM_TALLY_BINS + 1) * sizeof *edges);
-  if (!edges)
-    return false;
+  if (!edges) return false;
   for (size_t k = 0; k <= EM_TALLY_BINS; k++)
     edges[k] = em_world_bin_edge(k);
   const struct em_h5_shape times = {1, {0}}, counts = {3, {0, EM_CLASS_COUNT, EM_TALLY_BINS}};
@@ -195,8 +188,7 @@ static bool create_histogram(const struct em_writer *w) {
                    EM_TALLY_BINS + 1, "m s-1", edges) &&
       em_h5_create(w->file, EM_LAYOUT_HISTOGRAM "/start", H5T_IEEE_F64LE, times, 512, 0, "s") &&
       em_h5_create(w->file, EM_LAYOUT_HISTOGRAM "/end", H5T_IEEE_F64LE, times, 512, 0, "s") &&
-      em_h5_create(w->file, EM_LAYOUT_HISTOGRAM "/counts", H5T_STD_U64LE, counts, 1, deflate,
-                   NULL);
+      em_h5_create(w->file, EM_LAYOUT_HISTOGRAM "/counts", H5T_STD_U64LE, counts, 1, deflate, NULL);
   free(edges);
   return good;
 }
@@ -206,8 +198,7 @@ static bool put_effects(hid_t file, const struct em_scene *scene) {
   size_t count = 0;
   const unsigned effects = em_scene_effects(scene);
   for (int k = 0; k < EM_EFFECT_COUNT; k++)
-    if (effects >> k & 1)
-      names[count++] = em_scene_effect_name((enum em_effect_bit)k);
+    if (effects >> k & 1) names[count++] = em_scene_effect_name((enum em_effect_bit)k);
   return em_h5_put_texts(file, EM_LAYOUT_HOME, "effects", count, names);
 }
 
@@ -215,11 +206,9 @@ static bool put_effects(hid_t file, const struct em_scene *scene) {
 static bool put_scene(hid_t file, const struct em_scene *scene) {
   const char *parameter = EM_LAYOUT_PARAMETERS "/scene";
   char *text = em_scene_text(scene);
-  if (!text)
-    return false;
+  if (!text) return false;
   bool good = em_h5_put_document(file, EM_LAYOUT_SCENE, text);
-  if (good && em_h5_exists(file, parameter))
-    good = H5Ldelete(file, parameter, H5P_DEFAULT) >= 0;
+  if (good && em_h5_exists(file, parameter)) good = H5Ldelete(file, parameter, H5P_DEFAULT) >= 0;
   good = good && em_h5_link(file, EM_LAYOUT_SCENE, parameter);
   free(text);
   return good;
@@ -231,8 +220,8 @@ static bool create_home(const struct em_writer *w) {
          em_h5_group(file, EM_LAYOUT_SESSIONS) &&
          em_h5_put_count(file, EM_LAYOUT_HOME, "layout", EM_LAYOUT_VERSION) &&
          put_effects(file, w->scene) && put_scene(file, w->scene) &&
-         create_fixed(file, EM_LAYOUT_PARAMETERS "/seed", H5T_STD_U64LE, H5T_NATIVE_UINT64, 1,
-                      NULL, &w->scene->seed);
+         create_fixed(file, EM_LAYOUT_PARAMETERS "/seed", H5T_STD_U64LE, H5T_NATIVE_UINT64, 1, NULL,
+                      &w->scene->seed);
 }
 
 bool em_writer_file_create(struct em_writer *w, const struct em_balls *balls,
@@ -263,7 +252,7 @@ bool em_writer_file_state(struct em_writer *w, const struct em_run_state *state)
               em_h5_put_double(file, EM_LAYOUT_HOME, "energy_start", state->energy_start) &&
               em_h5_put_double(file, EM_LAYOUT_HOME, "kinetic_start", state->kinetic_start) &&
               em_h5_put_double(file, EM_LAYOUT_HOME, "potential_start", state->potential_start);
-#define PUT(member)                                                                                \
+#define PUT(member) \
   good = good && em_h5_put_count(file, EM_LAYOUT_CHECKPOINT, #member, lengths.member);
   EACH_LENGTH(PUT)
 #undef PUT
@@ -274,8 +263,8 @@ bool em_writer_file_state(struct em_writer *w, const struct em_run_state *state)
 
 static bool read_lengths(hid_t file, struct lengths *lengths) {
   bool good = true;
-#define GET(member)                                                                                \
-  good = good && em_h5_get_numbers(file, EM_LAYOUT_CHECKPOINT, #member, H5T_NATIVE_UINT64, 0,      \
+#define GET(member)                                                                           \
+  good = good && em_h5_get_numbers(file, EM_LAYOUT_CHECKPOINT, #member, H5T_NATIVE_UINT64, 0, \
                                    &lengths->member);
   EACH_LENGTH(GET)
 #undef GET
@@ -294,8 +283,7 @@ static bool find_log(hid_t file, struct em_log *log, uint64_t rows) {
       shape.dims[0] != rows)
     return false;
   for (int i = 1; i < shape.rank; i++)
-    if (shape.dims[i] != log->shape.dims[i])
-      return false;
+    if (shape.dims[i] != log->shape.dims[i]) return false;
   return true;
 }
 
@@ -331,8 +319,7 @@ static bool cut_blocks(struct em_writer *w) {
 
 bool em_writer_file_resume(struct em_writer *w) {
   struct lengths lengths;
-  if (!read_lengths(w->file, &lengths))
-    return false;
+  if (!read_lengths(w->file, &lengths)) return false;
   w->blocks = lengths.blocks;
   w->rows = lengths.rows;
   w->session = em_provenance_count(w->file);

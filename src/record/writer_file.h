@@ -7,8 +7,11 @@
 #include "record/twin.h"
 #include "record/writer.h"
 
-enum { EM_WRITER_OBSERVABLES = 32, EM_WRITER_FRAME_LOGS = 5,
-       EM_WRITER_SAMPLE_LOGS = EM_WRITER_OBSERVABLES + 2 };
+enum {
+  EM_WRITER_OBSERVABLES = 32,
+  EM_WRITER_FRAME_LOGS = 5,
+  EM_WRITER_SAMPLE_LOGS = EM_WRITER_OBSERVABLES + 2
+};
 
 struct em_writer {
   char *path;
@@ -20,8 +23,8 @@ struct em_writer {
   struct em_log sample_step, sample_time;
   bool has_observable[EM_WRITER_OBSERVABLES];
   struct em_log observable[EM_WRITER_OBSERVABLES];
-  uint64_t blocks; /* complete ones in the file */
-  uint64_t rows;   /* of the table, at the last flush */
+  uint64_t blocks;        /* complete ones in the file */
+  uint64_t rows;          /* of the table, at the last flush */
   struct em_table *table; /* NULL: not asked for */
   size_t session;
 };

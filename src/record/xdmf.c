@@ -32,8 +32,7 @@ static char *escape(const char *text) {
     else
       *to++ = *text;
   }
-  if (result)
-    *to = '\0';
+  if (result) *to = '\0';
   return result;
 }
 
@@ -45,8 +44,7 @@ static size_t folder_length(const char *path) {
 static char *data_name(const char *run, const char *sidecar, enum em_xdmf_form form) {
   const size_t length = folder_length(run);
   const bool beside = length == folder_length(sidecar) && strncmp(run, sidecar, length) == 0;
-  if (form == EM_XDMF_HYPERSLAB && beside)
-    return escape(run + length);
+  if (form == EM_XDMF_HYPERSLAB && beside) return escape(run + length);
   char *whole = realpath(run, NULL);
   char *name = whole ? escape(whole) : NULL;
   free(whole);
@@ -82,7 +80,8 @@ static void put_frame(const struct sidecar *s, const char *element, size_t k) {
 }
 
 static void put_vectors(const struct sidecar *s, const char *element, size_t k) {
-  fprintf(s->out, "    <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">\n", element);
+  fprintf(s->out, "    <Attribute Name=\"%s\" AttributeType=\"Vector\" Center=\"Node\">\n",
+          element);
   put_frame(s, element, k);
   fprintf(s->out, "    </Attribute>\n");
 }
@@ -96,8 +95,7 @@ static void put_grid(const struct sidecar *s, size_t k) {
   put_frame(s, "position", k);
   fprintf(s->out, "    </Geometry>\n");
   put_vectors(s, "velocity", k);
-  if (s->file->has_spin)
-    put_vectors(s, "angular_velocity", k);
+  if (s->file->has_spin) put_vectors(s, "angular_velocity", k);
   put_fixed(s, "radius", "Float", 8);
   put_fixed(s, "mass", "Float", 8);
   put_fixed(s, "species", "Int", 4);
@@ -122,8 +120,7 @@ static enum em_status cannot(const char *path, struct em_error *err) {
 static enum em_status write_sidecar(struct sidecar *s, const char *path, const char *temporary,
                                     struct em_error *err) {
   s->out = fopen(temporary, "w");
-  if (!s->out)
-    return cannot(path, err);
+  if (!s->out) return cannot(path, err);
   put_all(s);
   const bool bad = ferror(s->out);
   if ((fclose(s->out) != 0) | bad || rename(temporary, path) != 0) {

@@ -30,14 +30,13 @@ static void print_help(FILE *out) {
 
 static void print_version(void) {
   char libraries[256];
-  em_recorder_libraries(libraries, sizeof libraries);
-  printf("mill (Eventmill) %s\n%s\n%s\n", em_recorder_version(), em_recorder_compiler(), libraries);
+  em_provenance_libraries(libraries, sizeof libraries);
+  printf("mill (Eventmill) %s\n%s\n%s\n", em_provenance_version(), em_provenance_compiler(), libraries);
 }
 
 static int dispatch(int argc, char **argv) {
   for (int k = 0; k < COMMANDS; k++)
-    if (strcmp(argv[0], commands[k].name) == 0)
-      return commands[k].run(argc, argv);
+    if (strcmp(argv[0], commands[k].name) == 0) return commands[k].run(argc, argv);
   fprintf(stderr, "mill: error: unknown command '%s', expected", argv[0]);
   for (int k = 0; k < COMMANDS; k++)
     fprintf(stderr, "%s %s", k ? " or" : "", commands[k].name);

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "eventmill/error.h"
+#include "eventmill/provenance.h"
 #include "eventmill/recorder.h"
 #include "eventmill/scene.h"
 
@@ -32,8 +33,8 @@ struct em_mill_help {
   const char *text;
 };
 
-/* Reads a command line "SCENE [KEY=VALUE ...] [options]". Returns -1 to go on, or the exit code (help
- * was printed, or a message). The caller frees options->overrides. */
+/* Reads a command line "SCENE [KEY=VALUE ...] [options]". Returns -1 to go on, or the exit code
+ * (help was printed, or a message). The caller frees options->overrides. */
 int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
                     char **argv);
 

@@ -9,21 +9,21 @@
 static const struct em_mill_help help = {
     .name = "check",
     .takes = "",
-    .text = "Usage: mill check SCENE [KEY=VALUE ...]\n\n"
-            "Validates a scene, places its balls, and prints the scene with all defaults filled in.\n"
-            "What it prints is itself a scene; comments tell the effects that it calls for, the\n"
-            "variant of the event loop that will run it, and the memory that a ball takes.\n\n"
-            "Examples:\n"
-            "  mill check geometries/simoloyer-2l.cfg\n"
-            "  mill check geometries/simoloyer-2l.cfg rotor.rpm=1700 > fast.cfg\n",
+    .text =
+        "Usage: mill check SCENE [KEY=VALUE ...]\n\n"
+        "Validates a scene, places its balls, and prints the scene with all defaults filled in.\n"
+        "What it prints is itself a scene; comments tell the effects that it calls for, the\n"
+        "variant of the event loop that will run it, and the memory that a ball takes.\n\n"
+        "Examples:\n"
+        "  mill check geometries/simoloyer-2l.cfg\n"
+        "  mill check geometries/simoloyer-2l.cfg rotor.rpm=1700 > fast.cfg\n",
 };
 
 static void print_effects(const struct em_scene *scene) {
   const unsigned effects = em_scene_effects(scene);
   printf("# effects:");
   for (int k = 0; k < EM_EFFECT_COUNT; k++)
-    if (effects >> k & 1)
-      printf(" %s", em_scene_effect_name((enum em_effect_bit)k));
+    if (effects >> k & 1) printf(" %s", em_scene_effect_name((enum em_effect_bit)k));
   printf("%s\n", effects ? "" : " none");
 }
 
@@ -35,10 +35,8 @@ static enum em_status make_world(const struct em_scene *scene, struct em_world *
   for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
     if (scene->species[i].start == EM_START_RUN)
       status = em_run_file_last(scene->species[i].from, &previous, err);
-  if (!status)
-    status = em_start_make(&balls, scene, previous, err);
-  if (!status)
-    status = em_world_new(world, scene, balls, err);
+  if (!status) status = em_start_make(&balls, scene, previous, err);
+  if (!status) status = em_world_new(world, scene, balls, err);
   em_start_free(previous);
   em_start_free(balls);
   return status;
@@ -67,10 +65,8 @@ int em_mill_check(int argc, char **argv) {
   struct em_mill_options options;
   struct em_scene *scene = NULL;
   int code = em_mill_options(&options, &help, argc, argv);
-  if (code < 0)
-    code = em_mill_scene(&scene, &options);
-  if (code < 0)
-    code = check(scene);
+  if (code < 0) code = em_mill_scene(&scene, &options);
+  if (code < 0) code = check(scene);
   em_scene_free(scene);
   free(options.overrides);
   return code;

@@ -7,16 +7,18 @@
 #include "tool/mill.h"
 
 static const struct option known[] = {
-    {"output", required_argument, NULL, 'o'}, {"resume", no_argument, NULL, 'r'},
-    {"force", no_argument, NULL, 'f'},        {"quiet", no_argument, NULL, 'q'},
-    {"json", no_argument, NULL, 'j'},         {"help", no_argument, NULL, 'h'},
+    {"output", required_argument, NULL, 'o'},
+    {"resume", no_argument, NULL, 'r'},
+    {"force", no_argument, NULL, 'f'},
+    {"quiet", no_argument, NULL, 'q'},
+    {"json", no_argument, NULL, 'j'},
+    {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
 static int usage(const struct em_mill_help *help, const char *what, const char *word) {
   fprintf(stderr, "mill %s: error: %s", help->name, what);
-  if (word)
-    fprintf(stderr, " '%s'", word);
+  if (word) fprintf(stderr, " '%s'", word);
   fprintf(stderr, "\nTry 'mill %s --help'.\n", help->name);
   return EM_MILL_USAGE;
 }
@@ -42,11 +44,9 @@ static void set(struct em_mill_options *options, int letter) {
 
 static int take_words(struct em_mill_options *options, const struct em_mill_help *help, int count,
                       char **words) {
-  if (count == 0)
-    return usage(help, "no scene given, expected SCENE [KEY=VALUE ...]", NULL);
+  if (count == 0) return usage(help, "no scene given, expected SCENE [KEY=VALUE ...]", NULL);
   options->overrides = calloc((size_t)count, sizeof *options->overrides);
-  if (!options->overrides)
-    return usage(help, "out of memory", NULL);
+  if (!options->overrides) return usage(help, "out of memory", NULL);
   for (int i = 0; i < count; i++) {
     const char *equal = strchr(words[i], '=');
     if (equal && equal != words[i] && options->scene)
@@ -66,14 +66,12 @@ int em_mill_options(struct em_mill_options *options, const struct em_mill_help *
   optind = 1;
   for (;;) {
     const int letter = getopt_long(argc, argv, ":o:rfqjh", known, NULL);
-    if (letter == -1)
-      break;
+    if (letter == -1) break;
     if (letter == 'h') {
       fputs(help->text, stdout);
       return EM_MILL_DONE;
     }
-    if (letter == ':')
-      return usage(help, "a value is missing after", argv[optind - 1]);
+    if (letter == ':') return usage(help, "a value is missing after", argv[optind - 1]);
     if (letter == '?' || !strchr(help->takes, letter))
       return usage(help, "unknown option", argv[optind - 1]);
     set(options, letter);

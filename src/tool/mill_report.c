@@ -63,12 +63,9 @@ static void count_line(const char *label, uint64_t value) {
 }
 
 static void remedies(const struct em_summary *s, unsigned effects) {
-  if (effects & EM_EFFECT_TC)
-    count_line("elastic by tc", s->tc);
-  if (effects & EM_EFFECT_ELASTIC)
-    count_line("elastic as too slow", s->elastic);
-  if (effects & EM_EFFECT_JAM)
-    count_line("jam remedy", s->jam);
+  if (effects & EM_EFFECT_TC) count_line("elastic by tc", s->tc);
+  if (effects & EM_EFFECT_ELASTIC) count_line("elastic as too slow", s->elastic);
+  if (effects & EM_EFFECT_JAM) count_line("jam remedy", s->jam);
 }
 
 void em_mill_report_text(const struct em_summary *s, const struct em_scene *scene) {
@@ -81,8 +78,7 @@ void em_mill_report_text(const struct em_summary *s, const struct em_scene *scen
   for (int c = 0; c < EM_CLASS_COUNT; c++) {
     char label[32];
     snprintf(label, sizeof label, "  %s", em_contact_class_name((enum em_class)c));
-    if (s->by_class[c])
-      count_line(label, s->by_class[c]);
+    if (s->by_class[c]) count_line(label, s->by_class[c]);
   }
   line("collisions per second", s->collisions_per_second, "/s of computing time");
   remedies(s, effects);
@@ -92,6 +88,5 @@ void em_mill_report_text(const struct em_summary *s, const struct em_scene *scen
   line("median v_n", s->median_vn, "m/s");
   line("contacts above 3 m/s", s->rate_above_3, "/s");
   line("their share", 100.0 * s->share_above_3, "%");
-  if (effects & (EM_EFFECT_ROTOR | EM_EFFECT_TURNING))
-    line("power", s->power, "W");
+  if (effects & (EM_EFFECT_ROTOR | EM_EFFECT_TURNING)) line("power", s->power, "W");
 }

@@ -70,8 +70,7 @@ static char *join(int argc, char **argv) {
   for (int i = 0; i < argc; i++)
     size += strlen(argv[i]) + 1;
   char *text = malloc(size);
-  if (!text)
-    return NULL;
+  if (!text) return NULL;
   strcpy(text, "mill");
   for (int i = 0; i < argc; i++) {
     strcat(text, " ");
@@ -89,8 +88,7 @@ static void advise(const struct em_error *err, const char *path, bool resumable)
 }
 
 static int exit_code(enum em_status status, bool created) {
-  if (status == EM_OK)
-    return EM_MILL_DONE;
+  if (status == EM_OK) return EM_MILL_DONE;
   const bool refused = status == EM_INPUT || status == EM_FILE || status == EM_FORMAT;
   return refused && !created ? EM_MILL_USAGE : EM_MILL_FAILED;
 }
@@ -131,8 +129,7 @@ int em_mill_run(int argc, char **argv) {
   struct em_scene *scene = NULL;
   char path[EM_SCENE_PATH];
   int code = em_mill_options(&options, &help, argc, argv);
-  if (code < 0)
-    code = em_mill_scene(&scene, &options);
+  if (code < 0) code = em_mill_scene(&scene, &options);
   if (code < 0) {
     char *command = join(argc, argv);
     const bool none = options.out && strcmp(options.out, "none") == 0;
@@ -140,8 +137,7 @@ int em_mill_run(int argc, char **argv) {
       snprintf(path, sizeof path, "%s", options.out);
     else
       em_recorder_default_path(scene, path, sizeof path);
-    if (!options.out && !options.quiet)
-      fprintf(stderr, "writing %s\n", path);
+    if (!options.out && !options.quiet) fprintf(stderr, "writing %s\n", path);
     code = run(scene, &options, none ? NULL : path, command);
     free(command);
   }

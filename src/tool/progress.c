@@ -25,8 +25,7 @@ static double clock_now(void) {
 
 struct em_progress *em_progress_new(bool quiet) {
   struct em_progress *progress = quiet ? NULL : calloc(1, sizeof *progress);
-  if (!progress)
-    return NULL;
+  if (!progress) return NULL;
   progress->terminal = isatty(STDERR_FILENO);
   progress->next = clock_now() + (progress->terminal ? BAR_EVERY : LINE_EVERY);
   return progress;
@@ -62,8 +61,7 @@ static void draw_bar(double whole, const char *left, const char *text) {
 void em_progress_show(struct em_progress *progress, const struct em_progress_state *state,
                       const char *text) {
   const double now = progress ? clock_now() : 0.0;
-  if (!progress || now < progress->next)
-    return;
+  if (!progress || now < progress->next) return;
   progress->next = now + (progress->terminal ? BAR_EVERY : LINE_EVERY);
   char left[32];
   const double f = state->fraction;
@@ -76,7 +74,6 @@ void em_progress_show(struct em_progress *progress, const struct em_progress_sta
 }
 
 void em_progress_end(struct em_progress *progress) {
-  if (progress && progress->drawn)
-    fprintf(stderr, "\r\033[K");
+  if (progress && progress->drawn) fprintf(stderr, "\r\033[K");
   free(progress);
 }

@@ -1,5 +1,6 @@
 /* Fuzz target: the run-file reader. An input that begins as HDF5 does is taken as a file; any other
- * one as changes to a good file: groups of four bytes, three for the place and one for the value. */
+ * one as changes to a good file: groups of four bytes, three for the place and one for the value.
+ */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

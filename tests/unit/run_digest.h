@@ -13,13 +13,13 @@
 #include "eventmill/run_file.h"
 #include "eventmill/world.h"
 
-#define SMALL_MILL                                                                                 \
-  "title = \"small mill\"; duration = 0.06; seed = 3; gravity = [0.0, 0.0, -9.81];\n"              \
-  "chamber = { shape = \"drum\"; diameter = 0.06; length = 0.05; };\n"                             \
-  "rotor = { rpm = 2000.0; radius = 0.003; reach = 0.02; blades = ( { y = 0.017; },\n"             \
-  "  { y = 0.034; angle_deg = 90.0; } ); };\n"                                                     \
-  "balls = { count = 150; diameter = 0.004; density = 7850.0; speed = 2.0; };\n"                   \
-  "record = { frames = 200.0; observables = 500.0; histograms = 80.0; collisions = true;\n"        \
+#define SMALL_MILL                                                                          \
+  "title = \"small mill\"; duration = 0.06; seed = 3; gravity = [0.0, 0.0, -9.81];\n"       \
+  "chamber = { shape = \"drum\"; diameter = 0.06; length = 0.05; };\n"                      \
+  "rotor = { rpm = 2000.0; radius = 0.003; reach = 0.02; blades = ( { y = 0.017; },\n"      \
+  "  { y = 0.034; angle_deg = 90.0; } ); };\n"                                              \
+  "balls = { count = 150; diameter = 0.004; density = 7850.0; speed = 2.0; };\n"            \
+  "record = { frames = 200.0; observables = 500.0; histograms = 80.0; collisions = true;\n" \
   "  checkpoint = 1e-9; };\n"
 
 static inline struct em_scene *digest_scene(const char *text, size_t count,
@@ -35,7 +35,8 @@ static inline struct em_scene *digest_scene(const char *text, size_t count,
 
 static inline uint64_t digest_add(uint64_t digest, const void *data, size_t size) {
   const unsigned char *byte = data;
-  for (size_t i = 0; i < size; i++) digest = (digest ^ byte[i]) * UINT64_C(1099511628211);
+  for (size_t i = 0; i < size; i++)
+    digest = (digest ^ byte[i]) * UINT64_C(1099511628211);
   return digest;
 }
 
@@ -63,10 +64,9 @@ static inline enum em_status digest_frames(const struct em_run_file *file, uint6
 static inline enum em_status digest_series(const struct em_run_file *file, uint64_t *d,
                                            struct em_error *err) {
   static const char *const names[] = {
-      "kinetic_energy",  "spin_energy", "potential_energy",  "median_speed",
-      "mean_speed",      "collisions",  "dissipated_energy", "collision_energy",
-      "blade_work",      "blade_torque", "blade_contacts",   "blade_angular_impulse",
-      "jam_contacts"};
+      "kinetic_energy", "spin_energy",           "potential_energy", "median_speed", "mean_speed",
+      "collisions",     "dissipated_energy",     "collision_energy", "blade_work",   "blade_torque",
+      "blade_contacts", "blade_angular_impulse", "jam_contacts"};
   enum em_status status = EM_OK;
   for (size_t i = 0; i < sizeof names / sizeof *names && !status; i++) {
     struct em_series *s = NULL;

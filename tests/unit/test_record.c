@@ -1,5 +1,5 @@
-/* Run files: what is written is what happened; what is resumed is what would have been; what is damaged
- * is refused. */
+/* Run files: what is written is what happened; what is resumed is what would have been; what is
+ * damaged is refused. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -105,7 +105,8 @@ static void frames_and_contacts_are_those_of_the_world(void **state) {
   em_run_file_close(file);
 }
 
-/* Blocks follow one another to the end and add up to the counts of the observables and the table. */
+/* Blocks follow one another to the end and add up to the counts of the observables and the table.
+ */
 static void histograms_add_up(void **state) {
   (void)state;
   const char *path = path_of("sum.h5");
@@ -123,7 +124,8 @@ static void histograms_add_up(void **state) {
     assert_true(em_run_file_block_start(file, k) == end);
     end = em_run_file_block_end(file, k);
     assert_int_equal(em_run_file_block(file, k, counts, &err), EM_OK);
-    for (size_t i = 0; i < EM_CLASS_COUNT * bins; i++) sum[i / bins] += counts[i];
+    for (size_t i = 0; i < EM_CLASS_COUNT * bins; i++)
+      sum[i / bins] += counts[i];
   }
   assert_true(end == 0.06);
   uint64_t total = 0;

@@ -1,6 +1,6 @@
-/* Run files when the program dies or the disk fails: at every single call that changes the disk. The
- * test takes the place of the system's pwrite, rename, link, unlink and ftruncate; at the n-th call
- * it kills the process in the midst of it, or reports a full disk. */
+/* Run files when the program dies or the disk fails: at every single call that changes the disk.
+ * The test takes the place of the system's pwrite, rename, link, unlink and ftruncate; at the n-th
+ * call it kills the process in the midst of it, or reports a full disk. */
 #include <errno.h>
 #include <limits.h>
 #include <setjmp.h>
