@@ -137,7 +137,7 @@ mode == "list" {
     next
   }
   if (n != axes) die("the list's line " NR " has " n " values, expected " axes)
-  for (a = 1; a <= n; a++) at[points, a] = checked(key[a], field[a])
+  for (a = 1; a <= n; a++) at[points + 0, a] = checked(key[a], field[a])
   points++
   next
 }
