@@ -109,10 +109,6 @@ const struct em_loop_kind *em_loop_avx2_find(unsigned flags);
  * their rounding. */
 bool em_body_next_epoch(struct em_world *world);
 
-/* The error of a run that is stuck on ball i and its partner at `time` (s since the start). */
-enum em_status em_world_collapsed(const struct em_world *world, uint32_t i, uint32_t partner,
-                                  double time, struct em_error *err);
-
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);
 

@@ -9,6 +9,7 @@
 #endif
 
 #include "event/body.h"
+#include "event/collapse.h"
 #include "event/partition.h"
 
 struct remedy {
@@ -190,7 +191,7 @@ static inline uint32_t untie(struct em_world *w, double t) {
 
 static inline enum em_status collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
                                        double t, struct em_error *err) {
-  return em_world_collapsed(w, i, partner, absolute(w, t), err);
+  return em_collapse_report(w, i, partner, t, err);
 }
 
 static inline enum em_status no_memory(struct em_error *err) {

@@ -3,11 +3,11 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "event/body.h"
+#include "event/collapse.h"
 #include "event/partition.h"
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -225,35 +225,6 @@ enum em_status em_world_run(struct em_world *w, double until, const volatile sig
   return em_world_run_collisions(w, until, UINT64_MAX, stop, err);
 }
 
-static void partner_name(const struct em_world *w, uint32_t partner, char *text, size_t room) {
-  if (partner < EM_SURFACE)
-    snprintf(text, room, "ball %u", partner);
-  else if (partner >= EM_SURFACE_BLADE(0))
-    snprintf(text, room, "blade %u", partner - EM_SURFACE_BLADE(0));
-  else if (partner == EM_SURFACE + EM_WALL_DRUM)
-    snprintf(text, room, "the drum");
-  else
-    snprintf(text, room, "the %s wall across %c",
-             (partner - EM_SURFACE) & 1 ? "upper" : "lower", 'x' + (int)(partner - EM_SURFACE) / 2);
-  (void)w;
-}
-
-enum em_status em_world_collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
-                                  double t, struct em_error *err) {
-  char with[64];
-  partner_name(w, partner, with, sizeof with);
-  const struct em_vec x = em_body_at(w, i, local_time(w, t));
-  const bool jam = w->scene->remedy.jam_after > 0;
-  return em_error_set(
-      err, jam ? EM_JAM : EM_COLLAPSE, w->scene->file, 0,
-      "%s at %.9g s: ball %u at (%.6g, %.6g, %.6g) m, now with %s, had %u contacts in a row, each "
-      "within %.3g s of the one before; %s",
-      jam ? "jam without exit" : "inelastic collapse", t, i, x.x, x.y, x.z, with,
-      w->scene->remedy.collapse_after, w->within,
-      jam ? "the balls have no way out" : "hard spheres at rest on one another need remedy.tc or "
-                                          "remedy.elastic_below");
-}
-
 /* --- asking ----------------------------------------------------------------------------------- */
 
 double em_world_time(const struct em_world *w) {
@@ -344,7 +315,7 @@ double em_world_bytes_per_ball(const struct em_world *w) {
 static bool fault(struct em_error *err, const struct em_world *w, uint32_t i, uint32_t partner,
                   double depth) {
   char with[64];
-  partner_name(w, partner, with, sizeof with);
+  em_collapse_partner(partner, with, sizeof with);
   const struct em_vec x = em_body_at(w, i, w->clock);
   em_error_set(err, EM_INPUT, w->scene->file, 0,
                "ball %u at (%.9g, %.9g, %.9g) m overlaps %s by %.3g m", i, x.x, x.y, x.z, with,

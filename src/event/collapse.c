@@ -1,0 +1,89 @@
+/* A run that is stuck: which balls hold each other, and whether a blade squeezes them. */
+#include "event/collapse.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "event/partition.h"
+
+void em_collapse_partner(uint32_t partner, char *text, size_t room) {
+  if (partner < EM_SURFACE)
+    snprintf(text, room, "ball %u", partner);
+  else if (partner >= EM_SURFACE_BLADE(0))
+    snprintf(text, room, "blade %u", partner - EM_SURFACE_BLADE(0));
+  else if (partner == EM_SURFACE + EM_WALL_DRUM)
+    snprintf(text, room, "the drum");
+  else
+    snprintf(text, room, "the %s wall across %c", (partner - EM_SURFACE) & 1 ? "upper" : "lower",
+             'x' + (int)(partner - EM_SURFACE) / 2);
+}
+
+/* What a cluster touches: balls hang together where they are closer than `near` (m). */
+struct hold {
+  bool wall, blade;
+};
+
+static void add_surfaces(const struct em_world *w, uint32_t i, double t, double near,
+                         struct hold *hold) {
+  const struct em_vec x = em_body_at(w, i, t);
+  const double r = w->body[i].radius + near;
+  const double at[3] = {x.x, x.y, x.z}, low[3] = {w->low.x, w->low.y, w->low.z},
+               high[3] = {w->high.x, w->high.y, w->high.z};
+  for (int k = 0; k < 3; k++)
+    if (w->wall[2 * k] && (at[k] - r < low[k] || at[k] + r > high[k])) hold->wall = true;
+  if (w->drum && sqrt(x.x * x.x + x.z * x.z) + r > w->rho) hold->wall = true;
+  for (uint32_t k = 0; k < w->blade_count; k++) {
+    const struct em_blade *b = &w->blade[k].blade;
+    if (em_surface_blade_gap(b, x, r, b->angle + b->omega * t) < 0.0) hold->blade = true;
+  }
+}
+
+/* Follows the cluster of ball i, from ball to ball, as long as there is memory for it. */
+static struct hold held(struct em_world *w, uint32_t i, double t) {
+  struct hold hold = {false, false};
+  const double near = 1e-4 * w->smallest;
+  uint32_t *chain = calloc(w->count, sizeof *chain), length = 1;
+  bool *seen = calloc(w->count, sizeof *seen);
+  if (chain && seen) {
+    chain[0] = i;
+    seen[i] = true;
+    for (uint32_t c = 0; c < length; c++) {
+      uint32_t n;
+      const uint32_t *id = w->partition_kind->candidates(w, chain[c], &n);
+      const struct em_vec x = em_body_at(w, chain[c], t);
+      add_surfaces(w, chain[c], t, near, &hold);
+      for (uint32_t k = 0; k < n; k++) {
+        const double reach = w->body[chain[c]].radius + w->body[id[k]].radius + near;
+        const struct em_vec d = em_vec_sub(em_body_at(w, id[k], t), x);
+        if (seen[id[k]] || em_vec_norm2(d) > reach * reach) continue;
+        seen[id[k]] = true;
+        chain[length++] = id[k];
+      }
+    }
+  }
+  free(chain);
+  free(seen);
+  return hold;
+}
+
+/* A jam is what hangs between a blade and a wall; anything else has collapsed by itself. */
+enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint32_t partner,
+                                  double t, struct em_error *err) {
+  struct em_world *w = (struct em_world *)(uintptr_t)world; /* candidates use scratch */
+  char with[64];
+  em_collapse_partner(partner, with, sizeof with);
+  const struct em_vec x = em_body_at(w, i, t);
+  const struct hold hold = held(w, i, t);
+  const bool jam = hold.wall && hold.blade;
+  const char *advice = "hard spheres at rest on one another need remedy.tc or remedy.elastic_below";
+  if (jam && w->scene->remedy.jam_after > 0) advice = "the balls have no way out";
+  if (jam && w->scene->remedy.jam_after == 0) advice = "remedy.jam_after may open it";
+  return em_error_set(
+      err, jam ? EM_JAM : EM_COLLAPSE, w->scene->file, 0,
+      "%s at %.9g s: ball %u at (%.6g, %.6g, %.6g) m, now with %s, had %u contacts in a row, each "
+      "within %.3g s of the one before; %s",
+      jam ? "jam without exit, between a blade and a wall," : "inelastic collapse",
+      (double)w->epoch * w->epoch_length + t, i, x.x, x.y, x.z, with,
+      w->scene->remedy.collapse_after, w->within, advice);
+}
