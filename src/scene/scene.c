@@ -27,8 +27,7 @@ static const char *const effects[] = {EM_EFFECT_LIST(SPELLING)};
 static bool any_moves(const struct em_scene *scene) {
   for (size_t r = 0; r < scene->rotor_count; ++r)
     for (size_t b = 0; b < scene->rotor[r].blade_count; ++b)
-      if (scene->rotor[r].blade[b].omega != 0.0)
-        return true;
+      if (scene->rotor[r].blade[b].omega != 0.0) return true;
   return false;
 }
 
@@ -40,8 +39,7 @@ static bool is_rough(const struct em_contact_law *contact) {
 
 static bool any_rough(const struct em_scene *scene) {
   for (int k = 0; k < EM_CLASS_COUNT; ++k)
-    if (is_rough(&scene->contact[k]))
-      return true;
+    if (is_rough(&scene->contact[k])) return true;
   return false;
 }
 
@@ -50,8 +48,7 @@ static void build(struct em_scene_report *report, struct em_scene *scene) {
   em_scene_fill_all(report, scene);
   if (scene->remedy.jam_after < 0)
     scene->remedy.jam_after = any_moves(scene) && any_rough(scene) ? 5 : 0;
-  if (report->errors == 0)
-    em_scene_check_all(report, scene);
+  if (report->errors == 0) em_scene_check_all(report, scene);
 }
 
 /* Reads the joined text into the tree, puts the overrides in, builds. */
@@ -60,8 +57,7 @@ static void read_tree(struct em_scene_report *report, config_t *tree, struct em_
   if (config_read_string(tree, report->source->text) != CONFIG_TRUE) {
     int line;
     const char *file = em_scene_source_place(report->source, config_error_line(tree), &line);
-    em_scene_report_line(report, file, line, "%s, expected NAME = VALUE;",
-                         config_error_text(tree));
+    em_scene_report_line(report, file, line, "%s, expected NAME = VALUE;", config_error_text(tree));
     return;
   }
   for (size_t k = 0; k < override_count; ++k)
@@ -79,8 +75,7 @@ enum em_status em_scene_parse(struct em_scene **scene, const char *text, const c
   err->text[0] = '\0';
   struct em_scene_source source;
   enum em_status status = em_scene_source_join(&source, text, name, err);
-  if (status != EM_OK)
-    return status;
+  if (status != EM_OK) return status;
   struct em_scene *made = calloc(1, sizeof *made);
   config_t tree;
   config_init(&tree);
@@ -109,16 +104,14 @@ enum em_status em_scene_read(struct em_scene **scene, const char *path, size_t o
   *scene = NULL;
   char *text = NULL;
   enum em_status status = em_scene_source_load(&text, path, err);
-  if (status != EM_OK)
-    return status;
+  if (status != EM_OK) return status;
   status = em_scene_parse(scene, text, path, override_count, overrides, err);
   free(text);
   return status;
 }
 
 void em_scene_free(struct em_scene *scene) {
-  if (!scene)
-    return;
+  if (!scene) return;
   for (size_t k = 0; scene->rotor && k < scene->rotor_count; ++k) {
     free(scene->rotor[k].blade);
     free(scene->rotor[k].blade_y);
@@ -144,12 +137,10 @@ char *em_scene_text(const struct em_scene *scene) {
   char *text = NULL;
   size_t size = 0;
   FILE *out = open_memstream(&text, &size);
-  if (!out)
-    return NULL;
+  if (!out) return NULL;
   bool good = em_scene_print(scene, out) == EM_OK;
   good = fclose(out) == 0 && good;
-  if (good)
-    return text;
+  if (good) return text;
   free(text);
   return NULL;
 }
@@ -192,11 +183,9 @@ static bool is_used(const struct em_scene *scene, enum em_class cls) {
 /* Do spins change, or does a table set some? */
 static bool has_spin(const struct em_scene *scene) {
   for (int k = 0; k < EM_CLASS_COUNT; ++k)
-    if (is_used(scene, (enum em_class)k) && is_rough(&scene->contact[k]))
-      return true;
+    if (is_used(scene, (enum em_class)k) && is_rough(&scene->contact[k])) return true;
   for (size_t k = 0; k < scene->species_count; ++k)
-    if (scene->species[k].spin)
-      return true;
+    if (scene->species[k].spin) return true;
   return false;
 }
 
@@ -204,10 +193,8 @@ static bool is_mixed(const struct em_scene *scene) {
   const struct em_species *first = NULL;
   for (size_t k = 0; k < scene->species_count; ++k) {
     const struct em_species *s = &scene->species[k];
-    if (s->count == 0)
-      continue;
-    if (first && (s->diameter != first->diameter || s->density != first->density))
-      return true;
+    if (s->count == 0) continue;
+    if (first && (s->diameter != first->diameter || s->density != first->density)) return true;
     first = s;
   }
   return false;
@@ -247,8 +234,7 @@ unsigned em_scene_effects(const struct em_scene *scene) {
 
 double em_scene_volume(const struct em_scene *scene) {
   const struct em_chamber *c = &scene->chamber;
-  if (c->shape == EM_SHAPE_DRUM)
-    return 0.25 * M_PI * c->diameter * c->diameter * c->length;
+  if (c->shape == EM_SHAPE_DRUM) return 0.25 * M_PI * c->diameter * c->diameter * c->length;
   return c->size.x * c->size.y * c->size.z;
 }
 
@@ -262,8 +248,7 @@ void em_scene_bounds(const struct em_scene *scene, struct em_vec *low, struct em
 
 /* The largest speed at which a species starts. */
 static double start_speed(const struct em_species *s) {
-  if (s->start != EM_START_TABLE)
-    return s->count > 0 ? s->speed : 0.0;
+  if (s->start != EM_START_TABLE) return s->count > 0 ? s->speed : 0.0;
   double v2 = 0.0;
   for (size_t k = 0; k < s->count; ++k)
     v2 = fmax(v2, em_vec_norm2(s->velocity[k]));

@@ -36,27 +36,31 @@ static void blade_path(const struct em_scene *scene, size_t rotor, size_t blade,
 static void check_wall_gap(struct em_scene_report *report, const char *path, const char *wall,
                            double gap, double d) {
   if (gap <= 0.0)
-    em_scene_report_path(report, path, "touches the %s (reaches %.4g m beyond it), expected a gap "
-                         "of at least one ball diameter (%.4g m)", wall, -gap, d);
+    em_scene_report_path(report, path,
+                         "touches the %s (reaches %.4g m beyond it), expected a gap "
+                         "of at least one ball diameter (%.4g m)",
+                         wall, -gap, d);
   else if (gap < d * (1.0 - 1e-9))
-    em_scene_report_path(report, path, "leaves a gap of %.4g m to the %s, expected at least one "
-                         "ball diameter (%.4g m)", gap, wall, d);
+    em_scene_report_path(report, path,
+                         "leaves a gap of %.4g m to the %s, expected at least one "
+                         "ball diameter (%.4g m)",
+                         gap, wall, d);
 }
 
 static void check_walls(struct em_scene_report *report, const struct em_scene *scene,
                         const struct em_blade *blade, double d, const char *path) {
   struct em_scene_body body = em_scene_gap_body(blade);
   bool drum = scene->chamber.shape == EM_SHAPE_DRUM;
-  if (drum)
-    check_wall_gap(report, path, "drum wall", em_scene_gap_drum(&body, scene), d);
+  if (drum) check_wall_gap(report, path, "drum wall", em_scene_gap_drum(&body, scene), d);
   for (int k = 0; k < 3; ++k)
     for (int side = 0; side < 2; ++side) {
       char wall[64];
       bool end = k == 1, periodic = !drum && scene->chamber.periodic[k];
-      if (drum && !end)
-        continue;
+      if (drum && !end) continue;
       snprintf(wall, sizeof wall, "%s at the %s end of %c",
-               periodic ? "periodic boundary" : end ? "end wall" : "wall",
+               periodic ? "periodic boundary"
+               : end    ? "end wall"
+                        : "wall",
                side ? "upper" : "lower", axis_name[k]);
       check_wall_gap(report, path, wall, em_scene_gap_plane(&body, scene, k, side), d);
     }
@@ -65,8 +69,7 @@ static void check_walls(struct em_scene_report *report, const struct em_scene *s
 static void check_pair(struct em_scene_report *report, const struct em_scene *scene, size_t ra,
                        size_t ba, size_t rb, size_t bb) {
   const struct em_blade *a = &scene->rotor[ra].blade[ba], *b = &scene->rotor[rb].blade[bb];
-  if (em_scene_gap_blades(a, b) > 0.0)
-    return;
+  if (em_scene_gap_blades(a, b) > 0.0) return;
   char path[64], other[64];
   blade_path(scene, ra, ba, sizeof path, path);
   blade_path(scene, rb, bb, sizeof other, other);
@@ -97,8 +100,7 @@ static void species_path(const struct em_scene *scene, size_t k, const char *ent
 }
 
 /* The ball goes into the chamber; across a periodic boundary it meets each other ball once. */
-static void check_diameter(struct em_scene_report *report, const struct em_scene *scene,
-                           size_t k) {
+static void check_diameter(struct em_scene_report *report, const struct em_scene *scene, size_t k) {
   const struct em_chamber *c = &scene->chamber;
   double d = scene->species[k].diameter, largest = largest_diameter(scene);
   bool drum = c->shape == EM_SHAPE_DRUM;
@@ -109,8 +111,10 @@ static void check_diameter(struct em_scene_report *report, const struct em_scene
   for (int i = drum ? 1 : 0; i < 3; ++i) {
     bool periodic = !drum && c->periodic[i];
     if (periodic ? d + largest > side[i] : d >= side[i]) {
-      em_scene_report_path(report, path, "%.4g m does not fit into the chamber's extent of %.4g m "
-                           "along %c, expected %s", d, side[i], axis_name[i],
+      em_scene_report_path(report, path,
+                           "%.4g m does not fit into the chamber's extent of %.4g m "
+                           "along %c, expected %s",
+                           d, side[i], axis_name[i],
                            periodic ? "two balls to fit into a period" : "less");
       return;
     }
@@ -153,8 +157,10 @@ static void check_packing(struct em_scene_report *report, const struct em_scene 
   }
   double free = em_scene_volume(scene) - blades;
   if (balls > DENSEST * free)
-    em_scene_report_path(report, "balls", "%zu balls would fill %.3g of the chamber, expected at "
-                         "most %.2f", em_scene_ball_count(scene), balls / free, DENSEST);
+    em_scene_report_path(report, "balls",
+                         "%zu balls would fill %.3g of the chamber, expected at "
+                         "most %.2f",
+                         em_scene_ball_count(scene), balls / free, DENSEST);
 }
 
 /* Does the box of centres meet what centres can reach in the drum's cross-section? */
@@ -165,8 +171,7 @@ static bool meets_drum(const struct em_species *s, double rho) {
 
 static void check_region(struct em_scene_report *report, const struct em_scene *scene, size_t k) {
   const struct em_species *s = &scene->species[k];
-  if (!s->has_region)
-    return;
+  if (!s->has_region) return;
   struct em_vec low, high;
   char path[64];
   species_path(scene, k, "region", sizeof path, path);
@@ -174,8 +179,7 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
   bool inside = true;
   for (int i = 0; i < 3; ++i) {
     double r = 0.5 * s->diameter;
-    if (scene->chamber.shape == EM_SHAPE_BOX && scene->chamber.periodic[i])
-      r = 0.0;
+    if (scene->chamber.shape == EM_SHAPE_BOX && scene->chamber.periodic[i]) r = 0.0;
     double a = component(s->low, i), b = component(s->high, i);
     if (a > b) {
       em_scene_report_path(report, path, "low is above high along %c, expected low below high",
@@ -187,8 +191,10 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
   if (scene->chamber.shape == EM_SHAPE_DRUM)
     inside = inside && meets_drum(s, 0.5 * (scene->chamber.diameter - s->diameter));
   if (!inside)
-    em_scene_report_path(report, path, "lies outside the chamber, expected room for balls of "
-                         "%.4g m in it", s->diameter);
+    em_scene_report_path(report, path,
+                         "lies outside the chamber, expected room for balls of "
+                         "%.4g m in it",
+                         s->diameter);
 }
 
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
@@ -199,6 +205,5 @@ void em_scene_check_all(struct em_scene_report *report, const struct em_scene *s
   check_blades(report, scene, report->errors == before ? largest_diameter(scene) : 0.0);
   for (size_t k = 0; k < scene->species_count; ++k)
     check_region(report, scene, k);
-  if (report->errors == before)
-    check_packing(report, scene);
+  if (report->errors == before) check_packing(report, scene);
 }

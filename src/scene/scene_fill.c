@@ -19,8 +19,7 @@ double em_scene_fill_radians(double degrees) {
 struct em_vec em_scene_fill_unit(struct em_vec direction) {
   double n2 = em_vec_norm2(direction);
   /* A vector of this kind that is read back keeps its bits. */
-  if (fabs(n2 - 1.0) <= 1e-15)
-    return direction;
+  if (fabs(n2 - 1.0) <= 1e-15) return direction;
   double n = hypot(hypot(direction.x, direction.y), direction.z);
   return em_vec_make(direction.x / n, direction.y / n, direction.z / n);
 }
@@ -113,8 +112,7 @@ static void store(const struct em_scene_entry *entry, double x, void *out) {
 
 static int spelt(const struct em_scene_entry *entry, const char *name) {
   for (int k = 0; entry->names[k]; ++k)
-    if (strcmp(entry->names[k], name) == 0)
-      return k;
+    if (strcmp(entry->names[k], name) == 0) return k;
   return -1;
 }
 
@@ -163,8 +161,7 @@ static void fill_number(struct em_scene_report *report, const struct em_scene_en
 static void fill_vector(struct em_scene_report *report, const struct em_scene_entry *entry,
                         const config_setting_t *setting, const char *expected, void *out) {
   struct em_vec v;
-  if (!em_scene_fill_vector(report, setting, expected, &v))
-    return;
+  if (!em_scene_fill_vector(report, setting, expected, &v)) return;
   if (in_range(entry, v.x) && in_range(entry, v.y) && in_range(entry, v.z))
     memcpy(out, &v, sizeof v);
   else
@@ -202,8 +199,7 @@ static void fill_entry(struct em_scene_report *report, const struct em_scene_ent
 
 /* The default of an entry that has one. */
 static void fill_default(const struct em_scene_entry *entry, void *out) {
-  if (!entry->fallback)
-    return;
+  if (!entry->fallback) return;
   struct em_vec v;
   int k;
   switch (entry->kind) {
@@ -251,8 +247,7 @@ void em_scene_fill_group(struct em_scene_report *report, const struct em_scene_t
                          const config_setting_t *group, void *out) {
   for (size_t k = 0; k < table->count; ++k)
     fill_default(&table->entry[k], (char *)out + table->entry[k].offset);
-  if (!group)
-    return;
+  if (!group) return;
   if (config_setting_type(group) != CONFIG_TYPE_GROUP) {
     em_scene_fill_mismatch(report, group, "a group { }");
     return;
@@ -271,8 +266,7 @@ void em_scene_fill_group(struct em_scene_report *report, const struct em_scene_t
 static void fill_gravity(struct em_scene_report *report, struct em_scene *scene) {
   const config_setting_t *setting = config_lookup(report->tree, "gravity");
   scene->gravity = em_vec_make(0.0, 0.0, -9.81);
-  if (!setting)
-    return;
+  if (!setting) return;
   const char *name = config_setting_get_string(setting);
   if (name && strcmp(name, "none") == 0)
     scene->gravity = em_vec_make(0.0, 0.0, 0.0);
@@ -298,8 +292,7 @@ static void fill_periodic(struct em_scene_report *report, const config_setting_t
     good = config_setting_type(one) == CONFIG_TYPE_BOOL;
     periodic[k] = good && config_setting_get_bool(one) != 0;
   }
-  if (!good)
-    em_scene_fill_mismatch(report, setting, expected);
+  if (!good) em_scene_fill_mismatch(report, setting, expected);
 }
 
 /* Entries that belong to the other shape of chamber are errors; those of its own are needed. */
@@ -315,7 +308,8 @@ static void match_shape(struct em_scene_report *report, const config_setting_t *
   for (size_t k = 0; k < sizeof belongs / sizeof belongs[0]; ++k) {
     const config_setting_t *setting = config_setting_get_member(group, belongs[k].name);
     if (setting && belongs[k].shape != shape)
-      em_scene_report_at(report, setting, "does not belong to a chamber of shape \"%s\", expected "
+      em_scene_report_at(report, setting,
+                         "does not belong to a chamber of shape \"%s\", expected "
                          "it only where shape = \"%s\"",
                          em_scene_shape_name(shape), em_scene_shape_name(belongs[k].shape));
     if (!setting && belongs[k].shape == shape && belongs[k].needed)
@@ -337,8 +331,7 @@ static void fill_chamber(struct em_scene_report *report, struct em_chamber *cham
   em_scene_fill_group(report, &em_scene_table_ramps, inner, &ramps);
   chamber->ramp_half = ramps.half;
   chamber->ramp_tilt = ramps.tilt;
-  if (periodic)
-    fill_periodic(report, periodic, chamber->periodic);
+  if (periodic) fill_periodic(report, periodic, chamber->periodic);
   if (!group)
     em_scene_report_at(report, config_root_setting(report->tree),
                        "\"chamber\" is missing, expected a group { shape; ... }");

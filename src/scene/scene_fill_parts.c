@@ -8,12 +8,9 @@
 
 /* A part that may be one group or a list of groups: how many, and each. */
 static int part_count(struct em_scene_report *report, const config_setting_t *part) {
-  if (!part)
-    return 0;
-  if (config_setting_is_group(part))
-    return 1;
-  if (config_setting_is_list(part))
-    return config_setting_length(part);
+  if (!part) return 0;
+  if (config_setting_is_group(part)) return 1;
+  if (config_setting_is_list(part)) return config_setting_length(part);
   em_scene_fill_mismatch(report, part, "a group { } or a list of groups ( { }, ... )");
   return 0;
 }
@@ -29,8 +26,7 @@ static const config_setting_t *member(const config_setting_t *group, const char 
 /* calloc for at least one. */
 static void *room(struct em_scene_report *report, size_t count, size_t size) {
   void *made = calloc(count > 0 ? count : 1, size);
-  if (!made)
-    em_scene_report_memory(report);
+  if (!made) em_scene_report_memory(report);
   return made;
 }
 
@@ -38,20 +34,14 @@ static void *room(struct em_scene_report *report, size_t count, size_t size) {
 
 static void fill_blade(struct em_scene_report *report, const config_setting_t *group,
                        const struct em_scene_rotor_form *form, struct em_rotor *rotor, size_t k) {
-  struct em_scene_blade_form b = {.y = NAN,
-                                  .radius = form->radius,
-                                  .reach = form->reach,
-                                  .rpm = form->rpm,
-                                  .tip = form->tip};
+  struct em_scene_blade_form b = {
+      .y = NAN, .radius = form->radius, .reach = form->reach, .rpm = form->rpm, .tip = form->tip};
   size_t before = report->errors;
   em_scene_fill_group(report, &em_scene_table_blade, group, &b);
   if (report->errors == before) {
-    if (isnan(b.y))
-      em_scene_fill_missing(report, group, &em_scene_table_blade, "y");
-    if (isnan(b.radius))
-      em_scene_fill_missing(report, group, &em_scene_table_blade, "radius");
-    if (isnan(b.reach))
-      em_scene_fill_missing(report, group, &em_scene_table_blade, "reach");
+    if (isnan(b.y)) em_scene_fill_missing(report, group, &em_scene_table_blade, "y");
+    if (isnan(b.radius)) em_scene_fill_missing(report, group, &em_scene_table_blade, "radius");
+    if (isnan(b.reach)) em_scene_fill_missing(report, group, &em_scene_table_blade, "reach");
   }
   rotor->blade_y[k] = b.y;
   rotor->blade[k] = (struct em_blade){.centre = em_vec_axpy(rotor->point, b.y, rotor->axis),
@@ -72,8 +62,7 @@ static void fill_blades(struct em_scene_report *report, const config_setting_t *
     em_scene_report_at(report, group, "\"blades\" is missing, expected a list of groups");
   rotor->blade = room(report, (size_t)count, sizeof *rotor->blade);
   rotor->blade_y = room(report, (size_t)count, sizeof *rotor->blade_y);
-  if (!rotor->blade || !rotor->blade_y)
-    return;
+  if (!rotor->blade || !rotor->blade_y) return;
   rotor->blade_count = (size_t)count;
   for (int k = 0; k < count; ++k)
     fill_blade(report, part_at(blades, k), form, rotor, (size_t)k);
@@ -83,8 +72,7 @@ static void fill_rotor(struct em_scene_report *report, const config_setting_t *g
                        struct em_rotor *rotor) {
   struct em_scene_rotor_form form = {.radius = NAN, .reach = NAN};
   em_scene_fill_group(report, &em_scene_table_rotor, group, &form);
-  if (!config_setting_is_group(group))
-    return;
+  if (!config_setting_is_group(group)) return;
   double n2 = em_vec_norm2(form.axis);
   if (!(n2 > 0.0 && isfinite(n2))) {
     em_scene_fill_mismatch(report, member(group, "axis"), "a direction other than (0, 0, 0)");
@@ -100,8 +88,7 @@ void em_scene_fill_rotors(struct em_scene_report *report, struct em_scene *scene
   const config_setting_t *part = config_lookup(report->tree, "rotor");
   int count = part_count(report, part);
   scene->rotor = room(report, (size_t)count, sizeof *scene->rotor);
-  if (!scene->rotor)
-    return;
+  if (!scene->rotor) return;
   scene->rotor_count = (size_t)count;
   for (int k = 0; k < count; ++k)
     fill_rotor(report, part_at(part, k), &scene->rotor[k]);
@@ -115,10 +102,8 @@ static void fill_region(struct em_scene_report *report, const config_setting_t *
   size_t before = report->errors;
   em_scene_fill_group(report, &em_scene_table_region, group, &region);
   if (report->errors == before) {
-    if (isnan(region.low.x))
-      em_scene_fill_missing(report, group, &em_scene_table_region, "low");
-    if (isnan(region.high.x))
-      em_scene_fill_missing(report, group, &em_scene_table_region, "high");
+    if (isnan(region.low.x)) em_scene_fill_missing(report, group, &em_scene_table_region, "low");
+    if (isnan(region.high.x)) em_scene_fill_missing(report, group, &em_scene_table_region, "high");
   }
   s->has_region = true;
   s->low = region.low;
@@ -148,8 +133,10 @@ static void fill_from(struct em_scene_report *report, const config_setting_t *gr
   if (!path)
     em_scene_report_memory(report);
   else if (strlen(path) >= sizeof s->from)
-    em_scene_report_at(report, member(group, "from"), "the path is too long, expected at most %zu "
-                       "bytes", sizeof s->from - 1);
+    em_scene_report_at(report, member(group, "from"),
+                       "the path is too long, expected at most %zu "
+                       "bytes",
+                       sizeof s->from - 1);
   else
     strcpy(s->from, path);
   free(path);
@@ -160,10 +147,8 @@ static void fill_one_species(struct em_scene_report *report, const config_settin
   size_t before = report->errors;
   em_scene_fill_group(report, &em_scene_table_balls, group, s);
   const config_setting_t *region = member(group, "region"), *table = member(group, "table");
-  if (region)
-    fill_region(report, region, s);
-  if (report->errors > before)
-    return;
+  if (region) fill_region(report, region, s);
+  if (report->errors > before) return;
   match_start(report, group, s);
   if (!member(group, "diameter"))
     em_scene_fill_missing(report, group, &em_scene_table_balls, "diameter");
@@ -177,8 +162,7 @@ static void fill_one_species(struct em_scene_report *report, const config_settin
                          "found %zu, expected %zu, the number of rows of the table", asked,
                          s->count);
   }
-  if (s->from[0] && s->start == EM_START_RUN)
-    fill_from(report, group, s);
+  if (s->from[0] && s->start == EM_START_RUN) fill_from(report, group, s);
 }
 
 void em_scene_fill_species(struct em_scene_report *report, struct em_scene *scene) {
@@ -188,8 +172,7 @@ void em_scene_fill_species(struct em_scene_report *report, struct em_scene *scen
     em_scene_report_at(report, config_root_setting(report->tree),
                        "\"balls\" is missing, expected a group { count; diameter; ... }");
   scene->species = room(report, (size_t)count, sizeof *scene->species);
-  if (!scene->species)
-    return;
+  if (!scene->species) return;
   scene->species_count = (size_t)count;
   for (int k = 0; k < count; ++k)
     fill_one_species(report, part_at(part, k), &scene->species[k]);
@@ -200,22 +183,22 @@ void em_scene_fill_species(struct em_scene_report *report, struct em_scene *scen
 /* Index of the law's parameter of that name, or -1. */
 static int parameter_find(enum em_law law, const char *name) {
   for (int k = 0; k < em_contact_law_size(law); ++k)
-    if (strcmp(em_contact_law_parameter(law, k), name) == 0)
-      return k;
+    if (strcmp(em_contact_law_parameter(law, k), name) == 0) return k;
   return -1;
 }
 
 static int law_find(struct em_scene_report *report, const config_setting_t *setting) {
   const char *name = config_setting_get_string(setting);
   int law = name ? em_contact_law_find(name) : -1;
-  if (law >= 0)
-    return law;
+  if (law >= 0) return law;
   char all[200] = "";
   for (int k = 0; k < EM_LAW_COUNT; ++k)
     snprintf(all + strlen(all), sizeof all - strlen(all), "%s\"%s\"",
-             k == 0 ? "" : k + 1 < EM_LAW_COUNT ? ", " : " or ", em_scene_table_laws[k]);
-  const char *near =
-      name ? em_scene_table_nearest(name, EM_LAW_COUNT, em_scene_table_laws) : NULL;
+             k == 0                 ? ""
+             : k + 1 < EM_LAW_COUNT ? ", "
+                                    : " or ",
+             em_scene_table_laws[k]);
+  const char *near = name ? em_scene_table_nearest(name, EM_LAW_COUNT, em_scene_table_laws) : NULL;
   if (near)
     em_scene_report_at(report, setting, "unknown law \"%.60s\", expected %s; did you mean \"%s\"?",
                        name, all, near);
@@ -228,8 +211,8 @@ static int law_find(struct em_scene_report *report, const config_setting_t *sett
  * rest not below 0, but for the second term of power4, which may be of either sign. */
 static void set_parameter(struct em_scene_report *report, const config_setting_t *setting,
                           struct em_restitution *law, int k, double value) {
-  bool above = !strcmp(em_contact_law_parameter(law->law, k), "c") ||
-               (law->law == EM_LAW_SPAHN && k == 1);
+  bool above =
+      !strcmp(em_contact_law_parameter(law->law, k), "c") || (law->law == EM_LAW_SPAHN && k == 1);
   bool any = law->law == EM_LAW_POWER4 && k == 2;
   if (law->law == EM_LAW_CONSTANT && (value < 0.0 || value > 1.0))
     em_scene_fill_mismatch(report, setting, "a number from 0 to 1");
@@ -263,14 +246,12 @@ static void fill_law_group(struct em_scene_report *report, const config_setting_
   const config_setting_t *name = config_setting_get_member(group, "law");
   if (name) {
     int k = law_find(report, name);
-    if (k < 0)
-      return;
+    if (k < 0) return;
     *law = em_contact_law_default((enum em_law)k);
   }
   for (int k = 0; k < config_setting_length(group); ++k) {
     const config_setting_t *setting = config_setting_get_elem(group, (unsigned)k);
-    if (setting != name)
-      fill_parameter(report, setting, law);
+    if (setting != name) fill_parameter(report, setting, law);
   }
 }
 
@@ -279,15 +260,16 @@ static void fill_law(struct em_scene_report *report, const config_setting_t *set
   int type = config_setting_type(setting);
   if (type == CONFIG_TYPE_STRING) {
     int k = law_find(report, setting);
-    if (k >= 0)
-      *law = em_contact_law_default((enum em_law)k);
+    if (k >= 0) *law = em_contact_law_default((enum em_law)k);
   } else if (type == CONFIG_TYPE_GROUP) {
     fill_law_group(report, setting, law);
   } else {
     double e = 0.0;
     *law = em_contact_law_default(EM_LAW_CONSTANT);
-    if (em_scene_fill_number(report, setting, "a number from 0 to 1, the name of a law, or a group "
-                             "{ law; parameters }", &e))
+    if (em_scene_fill_number(report, setting,
+                             "a number from 0 to 1, the name of a law, or a group "
+                             "{ law; parameters }",
+                             &e))
       set_parameter(report, setting, law, 0, e);
   }
 }
@@ -296,8 +278,7 @@ static void fill_class(struct em_scene_report *report, const struct em_scene_tab
                        const config_setting_t *group, struct em_contact_law *contact) {
   em_scene_fill_group(report, table, group, contact);
   const config_setting_t *normal = member(group, "normal");
-  if (normal)
-    fill_law(report, normal, &contact->normal);
+  if (normal) fill_law(report, normal, &contact->normal);
 }
 
 void em_scene_fill_contacts(struct em_scene_report *report, struct em_scene *scene) {
@@ -307,7 +288,6 @@ void em_scene_fill_contacts(struct em_scene_report *report, struct em_scene *sce
   for (int k = 0; k < EM_CLASS_COUNT; ++k) {
     scene->contact[k] = all;
     const config_setting_t *own = member(group, em_scene_table_classes[k]);
-    if (own)
-      fill_class(report, &em_scene_table_class, own, &scene->contact[k]);
+    if (own) fill_class(report, &em_scene_table_class, own, &scene->contact[k]);
   }
 }

@@ -56,8 +56,7 @@ static int line_numbers(const char *line, double *x) {
   for (;;) {
     while (is_gap(*line))
       ++line;
-    if (*line == '\0' || *line == '#')
-      return n;
+    if (*line == '\0' || *line == '#') return n;
     char *end;
     double value = strtod(line, &end);
     if (end == line || n == 9 || !isfinite(value) || !(is_gap(*end) || !*end || *end == '#'))
@@ -67,15 +66,13 @@ static int line_numbers(const char *line, double *x) {
   }
 }
 
-static bool file_row(struct em_scene_report *report, const char *path, int number,
-                     const char *line, struct rows *rows) {
+static bool file_row(struct em_scene_report *report, const char *path, int number, const char *line,
+                     struct rows *rows) {
   double x[9] = {0};
   int n = line_numbers(line, x);
-  if (n == 0)
-    return true;
+  if (n == 0) return true;
   /* The first line of a CSV file may hold the names of its columns. */
-  if (n == -1 && number == 1 && isalpha((unsigned char)line[strspn(line, "\" \t")]))
-    return true;
+  if (n == -1 && number == 1 && isalpha((unsigned char)line[strspn(line, "\" \t")])) return true;
   if (n != 6 && n != 9) {
     em_scene_report_line(report, path, number, "table: expected %s", expected_row);
     return true;
@@ -95,8 +92,7 @@ static void read_file(struct em_scene_report *report, const config_setting_t *se
   int number = 0;
   char *rest = text;
   for (char *line; rest && (line = strsep(&rest, "\n")) != NULL;)
-    if (!file_row(report, path, ++number, line, rows))
-      break;
+    if (!file_row(report, path, ++number, line, rows)) break;
   free(text);
   free(path);
 }
@@ -112,8 +108,7 @@ static struct em_vec *column(const struct rows *rows, int first) {
 
 static bool turns(const struct rows *rows) {
   for (size_t k = 0; k < rows->count; ++k)
-    if (rows->row[k][6] != 0.0 || rows->row[k][7] != 0.0 || rows->row[k][8] != 0.0)
-      return true;
+    if (rows->row[k][6] != 0.0 || rows->row[k][7] != 0.0 || rows->row[k][8] != 0.0) return true;
   return false;
 }
 
@@ -124,8 +119,7 @@ void em_scene_fill_rows(struct em_scene_report *report, const config_setting_t *
     read_file(report, setting, &rows);
   else if (config_setting_is_list(setting)) {
     for (int k = 0; k < config_setting_length(setting); ++k)
-      if (!tree_row(report, config_setting_get_elem(setting, (unsigned)k), &rows))
-        break;
+      if (!tree_row(report, config_setting_get_elem(setting, (unsigned)k), &rows)) break;
   } else
     em_scene_fill_mismatch(report, setting, "a list of rows or the name of a file");
   species->count = rows.count;

@@ -3,9 +3,9 @@
  *
  *   gap = max over unit vectors n of  n·(c_B − c_A) − h_A(n) − h_B(−n),
  *
- * where h(n) is a body's extent along n (all bodies here are symmetric: h(−n) = h(n)). A turning bar
- * with flat ends sweeps the part |y| ≤ radius of a ball of radius √(reach² + radius²); one with round
- * ends a disc of radius reach − radius, thickened by the bar's radius. */
+ * where h(n) is a body's extent along n (all bodies here are symmetric: h(−n) = h(n)). A turning
+ * bar with flat ends sweeps the part |y| ≤ radius of a ball of radius √(reach² + radius²); one with
+ * round ends a disc of radius reach − radius, thickened by the bar's radius. */
 #include "scene/scene_gap.h"
 
 #include <math.h>
@@ -31,14 +31,12 @@ double em_scene_gap_extent(const struct em_scene_body *body, struct em_vec n) {
   double a = body->radius, length = fmax(body->reach - a, 0.0);
   if (body->swept) {
     double na = fabs(em_vec_dot(n, body->axis)), np = sqrt(fmax(0.0, 1.0 - na * na));
-    if (body->round)
-      return length * np + a;
+    if (body->round) return length * np + a;
     double ball = sqrt(body->reach * body->reach + a * a);
     return ball * na <= a ? ball : na * a + np * body->reach;
   }
   double nb = fabs(em_vec_dot(n, body->bar));
-  if (body->round)
-    return length * nb + a;
+  if (body->round) return length * nb + a;
   return body->reach * nb + a * sqrt(fmax(0.0, 1.0 - nb * nb));
 }
 
@@ -54,8 +52,8 @@ static struct em_vec turned(struct em_vec n, struct em_vec t, double angle) {
   return em_vec_scale(1.0 / em_vec_norm(m), m);
 }
 
-/* Climbs from n to the largest gap. Where the bodies are apart the gap has no other maxima, as it is
- * concave; the steps shrink until they are below what matters. */
+/* Climbs from n to the largest gap. Where the bodies are apart the gap has no other maxima, as it
+ * is concave; the steps shrink until they are below what matters. */
 static double climb(const struct em_scene_body *a, const struct em_scene_body *b, struct em_vec n,
                     double step) {
   enum { WAYS = 8, STEPS = 400 };
@@ -76,8 +74,7 @@ static double climb(const struct em_scene_body *a, const struct em_scene_body *b
         next = m;
       }
     }
-    if (next.x == n.x && next.y == n.y && next.z == n.z)
-      step *= 0.5;
+    if (next.x == n.x && next.y == n.y && next.z == n.z) step *= 0.5;
     n = next;
   }
   return best;
@@ -92,8 +89,7 @@ double em_scene_gap_bodies(const struct em_scene_body *a, const struct em_scene_
   enum { DIRECTIONS = 400 };
   struct em_vec apart = em_vec_sub(b->centre, a->centre);
   double distance = em_vec_norm(apart), best = -INFINITY;
-  if (distance == 0.0)
-    return -fmin(a->radius, b->radius);
+  if (distance == 0.0) return -fmin(a->radius, b->radius);
   struct em_vec n0 = em_vec_scale(1.0 / distance, apart), from = n0;
   best = parted(a, b, n0);
   /* Points spread evenly over the sphere (golden spiral), and the line of centres. */
@@ -126,11 +122,9 @@ double em_scene_gap_blades(const struct em_blade *a, const struct em_blade *b) {
   enum { PHASES = 720 };
   struct em_scene_body sa = em_scene_gap_body(a), sb = em_scene_gap_body(b);
   double far = em_vec_norm(em_vec_sub(a->centre, b->centre)) - span(&sa) - span(&sb);
-  if (far > 0.0)
-    return far;
+  if (far > 0.0) return far;
   double gap = em_scene_gap_bodies(&sa, &sb);
-  if (gap > 0.0 || a->omega == 0.0 || fabs(a->omega) != fabs(b->omega))
-    return gap;
+  if (gap > 0.0 || a->omega == 0.0 || fabs(a->omega) != fabs(b->omega)) return gap;
   gap = INFINITY;
   double slip = (a->reach + b->reach) * 2.0 * M_PI / PHASES;
   for (int k = 0; k < PHASES; ++k) {

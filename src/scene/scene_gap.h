@@ -22,7 +22,8 @@ struct em_scene_body em_scene_gap_body_at(const struct em_blade *blade, double a
 /* The body's extent (m) from its centre in the direction of the unit vector n. */
 double em_scene_gap_extent(const struct em_scene_body *body, struct em_vec n);
 
-/* The distance (m) of two bodies; where they touch or overlap some value ≤ 0. Exact to about 1e-8 m. */
+/* The distance (m) of two bodies; where they touch or overlap some value ≤ 0. Exact to about 1e-8
+ * m. */
 double em_scene_gap_bodies(const struct em_scene_body *a, const struct em_scene_body *b);
 
 /* The smallest distance (m) that two blades ever have; ≤ 0: they touch. */

@@ -2,7 +2,6 @@
  * What an override sets carries a hook, by which errors are reported as of the command line. */
 #include "scene/scene_override.h"
 
-
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -55,16 +54,14 @@ static bool copy_value(config_setting_t *to, const config_setting_t *from) {
     break;
   }
   for (int k = 0; k < config_setting_length(from); ++k)
-    if (!copy_child(to, config_setting_get_elem(from, (unsigned)k)))
-      return false;
+    if (!copy_child(to, config_setting_get_elem(from, (unsigned)k))) return false;
   return true;
 }
 
 /* Makes (or makes anew) the entry `name` of a group. */
 static config_setting_t *renew(const struct override *o, config_setting_t *group, const char *name,
                                int type) {
-  if (config_setting_get_member(group, name))
-    config_setting_remove(group, name);
+  if (config_setting_get_member(group, name)) config_setting_remove(group, name);
   config_setting_t *made = config_setting_add(group, name, type);
   if (made)
     config_setting_set_hook(made, (void *)(uintptr_t)o->text);
@@ -75,15 +72,13 @@ static config_setting_t *renew(const struct override *o, config_setting_t *group
 
 static void set_entry(const struct override *o, config_setting_t *group, const char *name) {
   config_setting_t *made = renew(o, group, name, config_setting_type(o->value));
-  if (made && !copy_value(made, o->value))
-    em_scene_report_memory(o->report);
+  if (made && !copy_value(made, o->value)) em_scene_report_memory(o->report);
 }
 
 static void set_real(const struct override *o, config_setting_t *group, const char *name,
                      double x) {
   config_setting_t *made = renew(o, group, name, CONFIG_TYPE_FLOAT);
-  if (made)
-    config_setting_set_float(made, x);
+  if (made) config_setting_set_float(made, x);
 }
 
 /* ---- finding what a path means */
@@ -133,8 +128,7 @@ static void descend_group(const struct override *o, config_setting_t *group, con
     next = renew(o, group, part, CONFIG_TYPE_GROUP);
   else if (!config_setting_is_aggregate(next) && strcmp(part, "normal") == 0)
     next = law_as_group(o, group, next);
-  if (next)
-    descend(o, next, rest);
+  if (next) descend(o, next, rest);
 }
 
 /* The next part is an index, or the path means all elements of this list. */
@@ -144,8 +138,7 @@ static void descend_list(const struct override *o, config_setting_t *list, const
   if (!all_digits(part)) {
     for (int k = 0; k < count; ++k)
       descend(o, config_setting_get_elem(list, (unsigned)k), path);
-    if (count == 0)
-      complain(o, "the scene has none of these");
+    if (count == 0) complain(o, "the scene has none of these");
     return;
   }
   if (atoi(part) >= count) {
@@ -187,11 +180,9 @@ static config_setting_t *group_of(config_setting_t *part, int k) {
 
 /* The number that a setting holds, or `otherwise`. */
 static double number_of(const config_setting_t *setting, double otherwise) {
-  if (!setting)
-    return otherwise;
+  if (!setting) return otherwise;
   int type = config_setting_type(setting);
-  if (type == CONFIG_TYPE_FLOAT)
-    return config_setting_get_float(setting);
+  if (type == CONFIG_TYPE_FLOAT) return config_setting_get_float(setting);
   if (type == CONFIG_TYPE_INT || type == CONFIG_TYPE_INT64)
     return (double)config_setting_get_int64(setting);
   return otherwise;
@@ -207,8 +198,7 @@ static double rotor_speed(config_setting_t *rotor) {
   config_setting_t *blades = config_setting_get_member(rotor, "blades");
   for (int k = 0; speed == 0.0 && k < length_of(blades); ++k) {
     const config_setting_t *blade = group_of(blades, k);
-    if (blade)
-      speed = fabs(entry_number(blade, "rpm", 0.0));
+    if (blade) speed = fabs(entry_number(blade, "rpm", 0.0));
   }
   return speed;
 }
@@ -220,8 +210,7 @@ static void set_rpm(const struct override *o, config_setting_t *rotor, double rp
   for (int k = 0; k < length_of(blades); ++k) {
     config_setting_t *blade = group_of(blades, k);
     double own = blade ? entry_number(blade, "rpm", NAN) : NAN;
-    if (isnan(own))
-      continue;
+    if (isnan(own)) continue;
     double ratio = own == before ? 1.0 : own == -before ? -1.0 : own / before;
     set_real(o, blade, "rpm", before == 0.0 ? rpm : ratio * rpm);
   }
@@ -241,8 +230,7 @@ static void set_all_rpm(const struct override *o, config_setting_t *rotors) {
   }
   for (int k = 0; k < count; ++k) {
     config_setting_t *rotor = group_of(rotors, k);
-    if (!rotor)
-      continue;
+    if (!rotor) continue;
     double before = rotor_speed(rotor), sense = before > 0.0 ? 1.0 : before < 0.0 ? -1.0 : 0.0;
     set_rpm(o, rotor, plus && minus ? sense * rpm : rpm);
   }
@@ -265,8 +253,7 @@ static void share(long long total, size_t n, const double *weight, long long *pa
   for (; rest > 0; --rest) {
     size_t best = 0;
     for (size_t k = 1; k < n; ++k)
-      if (left[k] > left[best])
-        best = k;
+      if (left[k] > left[best]) best = k;
     part[best]++;
     left[best] = -1.0;
   }
@@ -290,8 +277,7 @@ static void set_all_counts(const struct override *o, config_setting_t *balls) {
   for (size_t k = 0; k < n; ++k) {
     config_setting_t *group = group_of(balls, (int)k);
     config_setting_t *made = group ? renew(o, group, "count", CONFIG_TYPE_INT64) : NULL;
-    if (made)
-      config_setting_set_int64(made, part[k]);
+    if (made) config_setting_set_int64(made, part[k]);
   }
 }
 
@@ -308,8 +294,7 @@ static void drop_own(const struct override *o, const config_t *tree) {
 #undef SPELLING
   };
   const char *dot = strrchr(o->path, '.');
-  if (!dot)
-    return;
+  if (!dot) return;
   const char *last = dot + 1;
   if (strncmp(o->path, "contact.", 8) == 0 && strchr(o->path, '.') == dot)
     for (size_t k = 0; k < sizeof classes / sizeof classes[0]; ++k) {
@@ -317,8 +302,7 @@ static void drop_own(const struct override *o, const config_t *tree) {
       drop(config_setting_get_member(contact, classes[k]), last);
     }
   bool shape = !strcmp(last, "radius") || !strcmp(last, "reach") || !strcmp(last, "tip");
-  if (!shape || strncmp(o->path, "rotor.", 6) != 0 || strstr(o->path, ".blades"))
-    return;
+  if (!shape || strncmp(o->path, "rotor.", 6) != 0 || strstr(o->path, ".blades")) return;
   config_setting_t *rotors = config_lookup(tree, "rotor");
   int only = isdigit((unsigned char)o->path[6]) ? atoi(o->path + 6) : -1;
   for (int k = 0; k < length_of(rotors); ++k) {
@@ -331,8 +315,7 @@ static void drop_own(const struct override *o, const config_t *tree) {
 
 /* The index in "rotor.INDEX.rpm"; -1: "rotor.rpm"; -2: another path. */
 static int rpm_index(const char *path) {
-  if (strcmp(path, "rotor.rpm") == 0)
-    return -1;
+  if (strcmp(path, "rotor.rpm") == 0) return -1;
   int k = -2, end = 0;
   if (sscanf(path, "rotor.%9d.rpm%n", &k, &end) == 1 && end == (int)strlen(path) && k >= 0)
     return k;
@@ -376,13 +359,11 @@ static bool read_value(const struct override *o, config_t *tree, const char *tex
   snprintf(line, room, "v = %s\n;", text);
   enum em_status status = em_scene_source_join(&source, line, "command line", &inner);
   free(line);
-  if (status == EM_MEMORY)
-    em_scene_report_memory(o->report);
+  if (status == EM_MEMORY) em_scene_report_memory(o->report);
   bool good = status == EM_OK && config_read_string(tree, source.text) == CONFIG_TRUE &&
               config_setting_length(config_root_setting(tree)) == 1;
   em_scene_source_free(&source);
-  if (good || status == EM_MEMORY)
-    return good;
+  if (good || status == EM_MEMORY) return good;
   if (!text[0] || strpbrk(text, "[](){}\"=;@")) {
     complain(o, "the value cannot be read, expected a number, a word, [x, y, z] or { ... }");
     return false;
@@ -406,8 +387,7 @@ void em_scene_override_apply(struct em_scene_report *report, config_t *tree, con
   config_init(&value);
   if (read_value(&o, &value, equals + 1)) {
     o.value = config_lookup(&value, "v");
-    if (o.value)
-      apply(&o, tree);
+    if (o.value) apply(&o, tree);
   }
   config_destroy(&value);
 }

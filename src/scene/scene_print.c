@@ -17,10 +17,8 @@ static double same(double x) {
 static bool spell(double value, double x, double (*read)(double), size_t size, char *text) {
   for (int digits = 15; digits <= 17; ++digits) {
     snprintf(text, size, "%.*g", digits, value);
-    if (read(strtod(text, NULL)) == x)
-      break;
-    if (digits == 17)
-      return false;
+    if (read(strtod(text, NULL)) == x) break;
+    if (digits == 17) return false;
   }
   if (strpbrk(text, ".") == NULL) {
     /* libconfig knows a real by its point. */
@@ -137,8 +135,7 @@ static void put_table(FILE *out, int depth, const struct em_scene_table *table, 
     bool out_of_it = table->entry[k].kind == EM_KIND_SPECIAL;
     for (const char *const *name = skip; name && *name; ++name)
       out_of_it = out_of_it || strcmp(*name, table->entry[k].name) == 0;
-    if (!out_of_it)
-      put_line(out, depth, &table->entry[k], base);
+    if (!out_of_it) put_line(out, depth, &table->entry[k], base);
   }
 }
 
@@ -181,8 +178,7 @@ static void put_blade(FILE *out, int depth, const struct em_rotor *rotor, size_t
 
 static void put_rotor(FILE *out, int depth, const struct em_rotor *rotor) {
   static const char *const each_blade[] = {"radius", "reach", "tip", NULL};
-  struct em_scene_rotor_form form = {
-      .rpm = rotor->rpm, .axis = rotor->axis, .point = rotor->point};
+  struct em_scene_rotor_form form = {.rpm = rotor->rpm, .axis = rotor->axis, .point = rotor->point};
   put_table(out, depth, &em_scene_table_rotor, &form, each_blade);
   indent(out, depth);
   fputs("blades = (\n", out);
@@ -194,8 +190,7 @@ static void put_rotor(FILE *out, int depth, const struct em_rotor *rotor) {
 
 static void put_row(FILE *out, const struct em_species *s, size_t k) {
   struct em_vec v[3] = {s->position[k], s->velocity[k], em_vec_make(0, 0, 0)};
-  if (s->spin)
-    v[2] = s->spin[k];
+  if (s->spin) v[2] = s->spin[k];
   fputc('(', out);
   for (int i = 0; i < (s->spin ? 3 : 2); ++i) {
     fputs(i > 0 ? ", " : "", out);
@@ -219,8 +214,7 @@ static void put_species(FILE *out, int depth, const struct em_species *s) {
     indent(out, depth);
     fputs("};\n", out);
   }
-  if (s->start != EM_START_TABLE)
-    return;
+  if (s->start != EM_START_TABLE) return;
   indent(out, depth);
   fputs("table = (\n", out);
   for (size_t k = 0; k < s->count; ++k) {
@@ -244,8 +238,8 @@ static void put_contact(FILE *out, int depth, const struct em_contact_law *conta
 }
 
 static bool same_contact(const struct em_contact_law *a, const struct em_contact_law *b) {
-  bool equal = a->rule == b->rule && a->tangential == b->tangential &&
-               a->friction == b->friction && a->normal.law == b->normal.law;
+  bool equal = a->rule == b->rule && a->tangential == b->tangential && a->friction == b->friction &&
+               a->normal.law == b->normal.law;
   for (int k = 0; k < em_contact_law_size(a->normal.law); ++k)
     equal = equal && a->normal.p[k] == b->normal.p[k];
   return equal;
@@ -256,8 +250,7 @@ static void put_contacts(FILE *out, const struct em_scene *scene) {
   fputs("contact = {\n", out);
   put_contact(out, 1, &scene->contact[0]);
   for (int k = 1; k < EM_CLASS_COUNT; ++k) {
-    if (same_contact(&scene->contact[k], &scene->contact[0]))
-      continue;
+    if (same_contact(&scene->contact[k], &scene->contact[0])) continue;
     fprintf(out, "  %s = {\n", em_scene_table_classes[k]);
     put_contact(out, 2, &scene->contact[k]);
     fputs("  };\n", out);
@@ -270,11 +263,9 @@ static void put_parts(FILE *out, const char *name, size_t count, const struct em
                       void (*put)(FILE *, int, const struct em_scene *, size_t)) {
   fprintf(out, count == 1 ? "%s = {\n" : "%s = (\n", name);
   for (size_t k = 0; k < count; ++k) {
-    if (count > 1)
-      fputs("  {\n", out);
+    if (count > 1) fputs("  {\n", out);
     put(out, count > 1 ? 2 : 1, scene, k);
-    if (count > 1)
-      fputs(k + 1 < count ? "  },\n" : "  }\n", out);
+    if (count > 1) fputs(k + 1 < count ? "  },\n" : "  }\n", out);
   }
   fputs(count == 1 ? "};\n" : ");\n", out);
 }

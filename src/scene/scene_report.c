@@ -2,8 +2,8 @@
 #include "scene/scene_report.h"
 
 #include <ctype.h>
-#include <stdbool.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,10 +15,8 @@ enum { RESERVE = 64 };
 
 static void add(struct em_scene_report *report, const char *file, int line, const char *text) {
   report->errors++;
-  if (report->status == EM_OK)
-    report->status = EM_INPUT;
-  if (!report->err)
-    return;
+  if (report->status == EM_OK) report->status = EM_INPUT;
+  if (!report->err) return;
   size_t used = report->err->code == EM_OK ? 0 : strlen(report->err->text);
   size_t need = strlen(text) + strlen(file) + RESERVE;
   if (report->omitted > 0 || used + need >= EM_ERROR_TEXT - RESERVE)
@@ -52,8 +50,7 @@ enum em_status em_scene_report_end(struct em_scene_report *report) {
 
 void em_scene_report_name(const config_setting_t *setting, size_t size, char *text) {
   text[0] = '\0';
-  if (!setting || config_setting_is_root(setting))
-    return;
+  if (!setting || config_setting_is_root(setting)) return;
   const config_setting_t *parent = config_setting_parent(setting);
   em_scene_report_name(parent, size, text);
   size_t used = strlen(text);
@@ -91,8 +88,7 @@ void em_scene_report_value(const config_setting_t *setting, size_t size, char *t
 /* Was the setting, or something that it is part of, made by an override? */
 static bool is_override(const config_setting_t *setting) {
   for (; setting; setting = config_setting_parent(setting))
-    if (config_setting_get_hook(setting))
-      return true;
+    if (config_setting_get_hook(setting)) return true;
   return false;
 }
 
@@ -125,15 +121,13 @@ void em_scene_report_at(struct em_scene_report *report, const config_setting_t *
 static const config_setting_t *child(const config_setting_t *setting, const char *part,
                                      size_t length) {
   char name[PATH];
-  if (length >= sizeof name)
-    return NULL;
+  if (length >= sizeof name) return NULL;
   memcpy(name, part, length);
   name[length] = '\0';
   bool index = isdigit((unsigned char)name[0]) != 0;
   if (config_setting_type(setting) == CONFIG_TYPE_GROUP)
     return index ? (atoi(name) == 0 ? setting : NULL) : config_setting_get_member(setting, name);
-  if (!config_setting_is_aggregate(setting) || !index)
-    return NULL;
+  if (!config_setting_is_aggregate(setting) || !index) return NULL;
   return config_setting_get_elem(setting, (unsigned)atoi(name));
 }
 
@@ -143,8 +137,7 @@ void em_scene_report_path(struct em_scene_report *report, const char *path, cons
   for (const char *part = path; setting && *part;) {
     size_t length = strcspn(part, ".");
     const config_setting_t *next = child(setting, part, length);
-    if (!next)
-      break;
+    if (!next) break;
     setting = next;
     part += length + (part[length] == '.');
   }

@@ -33,8 +33,7 @@ static enum em_status put(struct cursor *c, const char *text, size_t length) {
   if (s->length + length + 1 > s->room) {
     size_t room = 2 * (s->length + length) + 1024;
     char *grown = realloc(s->text, room);
-    if (!grown)
-      return no_memory(c->err);
+    if (!grown) return no_memory(c->err);
     s->text = grown;
     s->room = room;
   }
@@ -58,22 +57,19 @@ static enum em_status pass(struct cursor *c, size_t length) {
 static enum em_status add_piece(struct cursor *c) {
   struct em_scene_source *s = c->source;
   struct em_scene_piece *grown = realloc(s->piece, (s->piece_count + 1) * sizeof *grown);
-  if (!grown)
-    return no_memory(c->err);
+  if (!grown) return no_memory(c->err);
   s->piece = grown;
-  char *file = strdup(c->file);
-  if (!file)
-    return no_memory(c->err);
-  s->piece[s->piece_count++] = (struct em_scene_piece){s->lines, c->line, file};
+  struct em_scene_piece *piece = &s->piece[s->piece_count];
+  *piece = (struct em_scene_piece){s->lines, c->line, strdup(c->file)};
+  if (!piece->file) return no_memory(c->err);
+  s->piece_count++;
   return EM_OK;
 }
 
 /* Length of the comment that begins here, without its line end; 0: none. */
 static size_t comment_length(const char *at) {
-  if (at[0] == '#' || (at[0] == '/' && at[1] == '/'))
-    return strcspn(at, "\n");
-  if (at[0] != '/' || at[1] != '*')
-    return 0;
+  if (at[0] == '#' || (at[0] == '/' && at[1] == '/')) return strcspn(at, "\n");
+  if (at[0] != '/' || at[1] != '*') return 0;
   const char *end = strstr(at + 2, "*/");
   return end ? (size_t)(end - at) + 2 : strlen(at);
 }
@@ -104,8 +100,7 @@ static enum em_status pass_number(struct cursor *c) {
   bool wide = value > INT_MAX || errno == ERANGE;
   if (!whole) {
     n += strspn(at + n, "0123456789.");
-    if (at[n] == 'e' || at[n] == 'E')
-      n += 1u + (size_t)(at[n + 1] == '+' || at[n + 1] == '-');
+    if (at[n] == 'e' || at[n] == 'E') n += 1u + (size_t)(at[n + 1] == '+' || at[n + 1] == '-');
     while (isalnum((unsigned char)at[n]) || at[n] == '.')
       ++n;
   }
@@ -160,8 +155,7 @@ static enum em_status include(struct cursor *c, const char *start) {
   char *text = NULL;
   free(word);
   struct em_error inner = {0};
-  enum em_status status =
-      path ? em_scene_source_load(&text, path, &inner) : no_memory(c->err);
+  enum em_status status = path ? em_scene_source_load(&text, path, &inner) : no_memory(c->err);
   if (path && status != EM_OK)
     em_error_set(c->err, status, c->file, c->line, "@include \"%.200s\": %.200s", path,
                  inner.text + strspn(inner.text, " "));
@@ -175,8 +169,7 @@ static enum em_status include(struct cursor *c, const char *start) {
   }
   free(path);
   free(text);
-  if (status != EM_OK)
-    return status;
+  if (status != EM_OK) return status;
   c->at = name + n + 2;
   return add_piece(c);
 }
@@ -214,10 +207,8 @@ enum em_status em_scene_source_join(struct em_scene_source *source, const char *
   char bracket[NESTING];
   struct cursor c = {source, err, name, text, 1, 0, &nesting, bracket};
   enum em_status status = put(&c, "", 0);
-  if (status == EM_OK)
-    status = copy_file(&c);
-  if (status != EM_OK)
-    em_scene_source_free(source);
+  if (status == EM_OK) status = copy_file(&c);
+  if (status != EM_OK) em_scene_source_free(source);
   return status;
 }
 
@@ -236,8 +227,7 @@ static enum em_status slurp(char **text, FILE *file, const char *path, struct em
     }
     size_t n = fread(all + length, 1, room - length - 1, file);
     length += n;
-    if (n == 0)
-      break;
+    if (n == 0) break;
   }
   all[length] = '\0';
   enum em_status status = EM_OK;
@@ -260,8 +250,7 @@ enum em_status em_scene_source_load(char **text, const char *path, struct em_err
     return em_error_set(err, EM_FILE, path, 0, "is a %s, expected a file",
                         S_ISDIR(st.st_mode) ? "directory" : "device");
   FILE *file = fopen(path, "rb");
-  if (!file)
-    return em_error_set(err, EM_FILE, path, 0, "cannot be opened: %s", strerror(errno));
+  if (!file) return em_error_set(err, EM_FILE, path, 0, "cannot be opened: %s", strerror(errno));
   enum em_status status = slurp(text, file, path, err);
   fclose(file);
   return status;
@@ -269,8 +258,7 @@ enum em_status em_scene_source_load(char **text, const char *path, struct em_err
 
 char *em_scene_source_beside(const char *base, const char *path) {
   const char *slash = strrchr(base, '/');
-  if (path[0] == '/' || !slash)
-    return strdup(path);
+  if (path[0] == '/' || !slash) return strdup(path);
   size_t n = (size_t)(slash - base) + 1;
   char *joined = malloc(n + strlen(path) + 1);
   if (joined) {

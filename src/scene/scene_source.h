@@ -6,7 +6,8 @@
 
 #include "eventmill/error.h"
 
-/* From line `first` of the joined text on, lines come from `file`, beginning with its line `line`. */
+/* From line `first` of the joined text on, lines come from `file`, beginning with its line `line`.
+ */
 struct em_scene_piece {
   int first, line;
   char *file; /* owned */

@@ -28,8 +28,8 @@ _Static_assert(sizeof(enum em_shape) == sizeof(int), "an enum is as wide as an i
 #define ABOVE(low)       low, INFINITY, true, NULL
 #define RANGE(low, high) low, high, false, NULL
 #define ONE_OF(names)    0, 0, false, names
-#define TABLE(name, place, entries)                                                                \
-  const struct em_scene_table em_scene_table_##name = {place, entries,                             \
+#define TABLE(name, place, entries)                                    \
+  const struct em_scene_table em_scene_table_##name = {place, entries, \
                                                        sizeof(entries) / sizeof((entries)[0])}
 
 static const struct em_scene_entry top[] = {
@@ -131,16 +131,28 @@ static const struct em_scene_entry region[] = {
 };
 TABLE(region, "balls.region", region);
 
-#define CONTACT_ENTRIES(rule_default, tangential_default, friction_default)                        \
-  {"rule", EM_KIND_NAME, AT(em_contact_law, rule), rule_default, ONE_OF(rules), "",               \
-   "collision rule"},                                                                              \
-      {"normal", EM_KIND_SPECIAL, NOWHERE, NULL, ANY, "",                                         \
-       "law of normal restitution: a number (constant), a name, or a group { law; parameters }; "  \
-       "default: \"spahn\""},                                                                      \
-      {"tangential", EM_KIND_REAL, AT(em_contact_law, tangential), tangential_default,            \
-       RANGE(-1, 1), "", "tangential restitution; 1: smooth, -1: perfectly rough"},                \
-  {"friction", EM_KIND_REAL, AT(em_contact_law, friction), friction_default, FROM(0), "",         \
-   "coefficient of the rule \"friction\""}
+#define CONTACT_ENTRIES(rule_default, tangential_default, friction_default)                       \
+  {"rule",        EM_KIND_NAME, AT(em_contact_law, rule), rule_default,                           \
+   ONE_OF(rules), "",           "collision rule"},                                                \
+      {"normal",                                                                                  \
+       EM_KIND_SPECIAL,                                                                           \
+       NOWHERE,                                                                                   \
+       NULL,                                                                                      \
+       ANY,                                                                                       \
+       "",                                                                                        \
+       "law of normal restitution: a number (constant), a name, or a group { law; parameters }; " \
+       "default: \"spahn\""},                                                                     \
+      {"tangential",                                                                              \
+       EM_KIND_REAL,                                                                              \
+       AT(em_contact_law, tangential),                                                            \
+       tangential_default,                                                                        \
+       RANGE(-1, 1),                                                                              \
+       "",                                                                                        \
+       "tangential restitution; 1: smooth, -1: perfectly rough"},                                 \
+  {                                                                                               \
+    "friction", EM_KIND_REAL, AT(em_contact_law, friction), friction_default, FROM(0), "",        \
+        "coefficient of the rule \"friction\""                                                    \
+  }
 
 static const struct em_scene_entry contact[] = {
     CONTACT_ENTRIES("rough", "0.9", "0.1"),
@@ -182,15 +194,14 @@ static const struct em_scene_entry remedy[] = {
      "and contacts are not smooth, else 0"},
     {"jam_within", EM_KIND_REAL, AT(em_remedy, jam_within), "1e-8", FROM(0), "s",
      "between contacts in a row"},
-    {"collapse_after", EM_KIND_U32, AT(em_remedy, collapse_after), "100000",
-     RANGE(1, 4294967295.0), "contacts", "in a row at which the run stops as collapsed"},
+    {"collapse_after", EM_KIND_U32, AT(em_remedy, collapse_after), "100000", RANGE(1, 4294967295.0),
+     "contacts", "in a row at which the run stops as collapsed"},
 };
 TABLE(remedy, "remedy", remedy);
 
 static const struct em_scene_entry record[] = {
     {"frames", EM_KIND_REAL, AT(em_recording, frames), "50", FROM(0), "1/s", "0: none"},
-    {"observables", EM_KIND_REAL, AT(em_recording, observables), "100", FROM(0), "1/s",
-     "0: none"},
+    {"observables", EM_KIND_REAL, AT(em_recording, observables), "100", FROM(0), "1/s", "0: none"},
     {"histograms", EM_KIND_REAL, AT(em_recording, histograms), "20", FROM(0), "1/s",
      "blocks of time for the histograms of v_n per class; 0: one block"},
     {"collisions", EM_KIND_BOOLEAN, AT(em_recording, collisions), "false", ANY, "",
@@ -202,18 +213,24 @@ static const struct em_scene_entry record[] = {
 };
 TABLE(record, "record", record);
 
-const struct em_scene_table *const em_scene_table_all[] = {
-    &em_scene_table_top,    &em_scene_table_chamber, &em_scene_table_ramps,
-    &em_scene_table_rotor,  &em_scene_table_blade,   &em_scene_table_balls,
-    &em_scene_table_region, &em_scene_table_contact, &em_scene_table_class,
-    &em_scene_table_engine, &em_scene_table_remedy,  &em_scene_table_record,
-    NULL};
+const struct em_scene_table *const em_scene_table_all[] = {&em_scene_table_top,
+                                                           &em_scene_table_chamber,
+                                                           &em_scene_table_ramps,
+                                                           &em_scene_table_rotor,
+                                                           &em_scene_table_blade,
+                                                           &em_scene_table_balls,
+                                                           &em_scene_table_region,
+                                                           &em_scene_table_contact,
+                                                           &em_scene_table_class,
+                                                           &em_scene_table_engine,
+                                                           &em_scene_table_remedy,
+                                                           &em_scene_table_record,
+                                                           NULL};
 
 const struct em_scene_entry *em_scene_table_find(const struct em_scene_table *table,
                                                  const char *name) {
   for (size_t k = 0; k < table->count; ++k)
-    if (strcmp(table->entry[k].name, name) == 0)
-      return &table->entry[k];
+    if (strcmp(table->entry[k].name, name) == 0) return &table->entry[k];
   return NULL;
 }
 
@@ -222,8 +239,7 @@ const struct em_scene_entry *em_scene_table_find(const struct em_scene_table *ta
 static size_t distance(const char *a, const char *b) {
   enum { ROOM = 64 };
   size_t n = strlen(a), m = strlen(b);
-  if (n >= ROOM || m >= ROOM)
-    return SIZE_MAX;
+  if (n >= ROOM || m >= ROOM) return SIZE_MAX;
   size_t d[ROOM][ROOM];
   for (size_t i = 0; i <= n; ++i)
     d[i][0] = i;
@@ -274,8 +290,7 @@ static void expects_name(const struct em_scene_entry *entry, size_t size, char *
 void em_scene_table_expects(const struct em_scene_entry *entry, size_t size, char *text) {
   char range[64], unit[32] = "";
   expects_range(entry, sizeof range, range);
-  if (entry->unit[0])
-    snprintf(unit, sizeof unit, " (%s)", entry->unit);
+  if (entry->unit[0]) snprintf(unit, sizeof unit, " (%s)", entry->unit);
   switch (entry->kind) {
   case EM_KIND_REAL:
   case EM_KIND_DEGREES:
@@ -298,8 +313,7 @@ void em_scene_table_expects(const struct em_scene_entry *entry, size_t size, cha
     break;
   case EM_KIND_VECTOR:
     snprintf(text, size, "three numbers [x, y, z]%s%s", range[0] ? ", each" : "", range);
-    if (unit[0])
-      strncat(text, unit, size - strlen(text) - 1);
+    if (unit[0]) strncat(text, unit, size - strlen(text) - 1);
     break;
   case EM_KIND_SPECIAL:
     snprintf(text, size, "%s", entry->help);

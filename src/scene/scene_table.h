@@ -62,10 +62,10 @@ struct em_scene_region {
   struct em_vec low, high; /* m */
 };
 
-extern const struct em_scene_table em_scene_table_top, em_scene_table_chamber,
-    em_scene_table_ramps, em_scene_table_rotor, em_scene_table_blade, em_scene_table_balls,
-    em_scene_table_region, em_scene_table_contact, em_scene_table_class, em_scene_table_engine,
-    em_scene_table_remedy, em_scene_table_record;
+extern const struct em_scene_table em_scene_table_top, em_scene_table_chamber, em_scene_table_ramps,
+    em_scene_table_rotor, em_scene_table_blade, em_scene_table_balls, em_scene_table_region,
+    em_scene_table_contact, em_scene_table_class, em_scene_table_engine, em_scene_table_remedy,
+    em_scene_table_record;
 
 /* All of the above, NULL-terminated. */
 extern const struct em_scene_table *const em_scene_table_all[];

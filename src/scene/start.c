@@ -11,8 +11,7 @@
 
 struct em_balls *em_start_new(size_t count) {
   struct em_balls *b = calloc(1, sizeof *b);
-  if (!b)
-    return NULL;
+  if (!b) return NULL;
   size_t n = count > 0 ? count : 1;
   b->count = count;
   b->position = calloc(n, sizeof *b->position);
@@ -21,15 +20,13 @@ struct em_balls *em_start_new(size_t count) {
   b->radius = calloc(n, sizeof *b->radius);
   b->mass = calloc(n, sizeof *b->mass);
   b->species = calloc(n, sizeof *b->species);
-  if (b->position && b->velocity && b->spin && b->radius && b->mass && b->species)
-    return b;
+  if (b->position && b->velocity && b->spin && b->radius && b->mass && b->species) return b;
   em_start_free(b);
   return NULL;
 }
 
 void em_start_free(struct em_balls *balls) {
-  if (!balls)
-    return;
+  if (!balls) return;
   free(balls->position);
   free(balls->velocity);
   free(balls->spin);
@@ -81,8 +78,7 @@ static void copy_table(struct maker *m, const struct em_start_group *g) {
   for (size_t k = 0; k < s->count; ++k) {
     m->balls->position[g->first + k] = s->position[k];
     m->balls->velocity[g->first + k] = s->velocity[k];
-    if (s->spin)
-      m->balls->spin[g->first + k] = s->spin[k];
+    if (s->spin) m->balls->spin[g->first + k] = s->spin[k];
   }
 }
 
@@ -97,12 +93,10 @@ static enum em_status copy_run(struct maker *m, const struct em_start_group *g) 
       m->balls->spin[g->first + taken] = old->spin[k];
       ++taken;
     }
-  if (taken == g->species->count)
-    return EM_OK;
+  if (taken == g->species->count) return EM_OK;
   return em_error_set(m->err, EM_INPUT, m->scene->file, 0,
                       "balls.%zu: %s holds %zu balls of this species, expected %zu", g->number,
-                      g->species->from[0] ? g->species->from : "the run", taken,
-                      g->species->count);
+                      g->species->from[0] ? g->species->from : "the run", taken, g->species->count);
 }
 
 /* Balls whose places are given may touch; they overlap when rounding does not explain it. */
@@ -130,8 +124,7 @@ static enum em_status place_given(struct maker *m) {
       status = copy_run(m, g);
     else
       continue;
-    if (status == EM_OK)
-      status = put_given(m, g);
+    if (status == EM_OK) status = put_given(m, g);
   }
   return status;
 }
@@ -139,8 +132,7 @@ static enum em_status place_given(struct maker *m) {
 /* ---- lattices and random places */
 
 static bool same_region(const struct em_species *a, const struct em_species *b) {
-  if (!a->has_region || !b->has_region)
-    return a->has_region == b->has_region;
+  if (!a->has_region || !b->has_region) return a->has_region == b->has_region;
   return memcmp(&a->low, &b->low, sizeof a->low) == 0 &&
          memcmp(&a->high, &b->high, sizeof a->high) == 0;
 }
@@ -153,17 +145,13 @@ static enum em_status place_lattices(struct maker *m) {
     bool first = m->group[s].species->start == EM_START_LATTICE;
     for (size_t t = 0; t < n && first; ++t) {
       const struct em_species *other = m->group[t].species;
-      if (other->start != EM_START_LATTICE || !same_region(m->group[s].species, other))
-        continue;
-      if (t < s)
-        first = false;
+      if (other->start != EM_START_LATTICE || !same_region(m->group[s].species, other)) continue;
+      if (t < s) first = false;
       m->picked[count++] = m->group[t];
     }
-    if (!first)
-      continue;
+    if (!first) continue;
     enum em_status status = em_start_lattice_fill(&m->field, count, m->picked, m->rng, m->err);
-    if (status != EM_OK)
-      return status;
+    if (status != EM_OK) return status;
   }
   return EM_OK;
 }
@@ -183,8 +171,8 @@ static bool gets_speed(const struct maker *m, size_t k) {
   return start != EM_START_TABLE && start != EM_START_RUN;
 }
 
-/* In a fully periodic box nothing ever takes up momentum: what chance gave the balls is removed, and
- * the speeds are scaled back to the energy that was asked for. */
+/* In a fully periodic box nothing ever takes up momentum: what chance gave the balls is removed,
+ * and the speeds are scaled back to the energy that was asked for. */
 static void remove_drift(struct maker *m) {
   struct em_balls *b = m->balls;
   struct em_vec momentum = {0, 0, 0};
@@ -197,8 +185,7 @@ static void remove_drift(struct maker *m) {
       mass += b->mass[k];
       ++n;
     }
-  if (n < 2 || !(before > 0.0))
-    return;
+  if (n < 2 || !(before > 0.0)) return;
   for (size_t k = 0; k < b->count; ++k)
     if (gets_speed(m, k)) {
       b->velocity[k] = em_vec_axpy(b->velocity[k], -1.0 / mass, momentum);
@@ -206,22 +193,19 @@ static void remove_drift(struct maker *m) {
     }
   double scale = after > 1e-12 * before ? sqrt(before / after) : 1.0;
   for (size_t k = 0; k < b->count; ++k)
-    if (gets_speed(m, k))
-      b->velocity[k] = em_vec_scale(scale, b->velocity[k]);
+    if (gets_speed(m, k)) b->velocity[k] = em_vec_scale(scale, b->velocity[k]);
 }
 
 static void set_velocities(struct maker *m) {
   for (size_t k = 0; k < m->balls->count; ++k) {
-    if (!gets_speed(m, k))
-      continue;
+    if (!gets_speed(m, k)) continue;
     struct em_vec d;
     gsl_ran_dir_3d(m->rng, &d.x, &d.y, &d.z);
     double speed = m->scene->species[m->balls->species[k]].speed;
     m->balls->velocity[k] = em_vec_scale(speed, d);
   }
   const bool *periodic = m->field.periodic;
-  if (periodic[0] && periodic[1] && periodic[2])
-    remove_drift(m);
+  if (periodic[0] && periodic[1] && periodic[2]) remove_drift(m);
 }
 
 /* ---- the whole */
@@ -229,14 +213,10 @@ static void set_velocities(struct maker *m) {
 static enum em_status place_all(struct maker *m) {
   fill_kinds(m);
   enum em_status status = em_start_field_make(&m->field, m->scene, m->balls, m->err);
-  if (status == EM_OK)
-    status = place_given(m);
-  if (status == EM_OK)
-    status = place_lattices(m);
-  if (status == EM_OK)
-    status = place_random(m);
-  if (status == EM_OK)
-    set_velocities(m);
+  if (status == EM_OK) status = place_given(m);
+  if (status == EM_OK) status = place_lattices(m);
+  if (status == EM_OK) status = place_random(m);
+  if (status == EM_OK) set_velocities(m);
   em_start_field_free(&m->field);
   return status;
 }
@@ -260,8 +240,7 @@ enum em_status em_start_make(struct em_balls **balls, const struct em_scene *sce
     gsl_rng_set(m.rng, (unsigned long)scene->seed);
     status = place_all(&m);
   }
-  if (m.rng)
-    gsl_rng_free(m.rng);
+  if (m.rng) gsl_rng_free(m.rng);
   free(m.group);
   free(m.picked);
   if (status == EM_OK)

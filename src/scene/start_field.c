@@ -9,8 +9,7 @@ static void collect_blades(struct em_start_field *f) {
     for (size_t b = 0; b < f->scene->rotor[r].blade_count; ++b) {
       struct em_blade *blade = &f->blade[f->blade_count++];
       *blade = f->scene->rotor[r].blade[b];
-      if (blade->tip == EM_TIP_NONE)
-        blade->tip = EM_TIP_FLAT;
+      if (blade->tip == EM_TIP_NONE) blade->tip = EM_TIP_FLAT;
     }
 }
 
@@ -103,12 +102,9 @@ void em_start_field_put(struct em_start_field *field, size_t k) {
 struct em_vec em_start_field_between(const struct em_start_field *field, struct em_vec a,
                                      struct em_vec b) {
   struct em_vec d = em_vec_sub(a, b);
-  if (field->periodic[0])
-    d.x -= field->size.x * rint(d.x / field->size.x);
-  if (field->periodic[1])
-    d.y -= field->size.y * rint(d.y / field->size.y);
-  if (field->periodic[2])
-    d.z -= field->size.z * rint(d.z / field->size.z);
+  if (field->periodic[0]) d.x -= field->size.x * rint(d.x / field->size.x);
+  if (field->periodic[1]) d.y -= field->size.y * rint(d.y / field->size.y);
+  if (field->periodic[2]) d.z -= field->size.z * rint(d.z / field->size.z);
   return d;
 }
 
@@ -119,24 +115,19 @@ static double wrap_along(double x, double length) {
 }
 
 struct em_vec em_start_field_wrap(const struct em_start_field *field, struct em_vec r) {
-  if (field->periodic[0])
-    r.x = wrap_along(r.x, field->size.x);
-  if (field->periodic[1])
-    r.y = wrap_along(r.y, field->size.y);
-  if (field->periodic[2])
-    r.z = wrap_along(r.z, field->size.z);
+  if (field->periodic[0]) r.x = wrap_along(r.x, field->size.x);
+  if (field->periodic[1]) r.y = wrap_along(r.y, field->size.y);
+  if (field->periodic[2]) r.z = wrap_along(r.z, field->size.z);
   return r;
 }
 
-double em_start_field_wall_gap(const struct em_start_field *field, struct em_vec r,
-                               double radius) {
+double em_start_field_wall_gap(const struct em_start_field *field, struct em_vec r, double radius) {
   const double at[3] = {r.x, r.y, r.z};
   const double low[3] = {field->low.x, field->low.y, field->low.z};
   const double high[3] = {field->high.x, field->high.y, field->high.z};
   double gap = INFINITY;
   for (int k = 0; k < 3; ++k)
-    if (!field->periodic[k])
-      gap = fmin(gap, fmin(at[k] - low[k], high[k] - at[k]) - radius);
+    if (!field->periodic[k]) gap = fmin(gap, fmin(at[k] - low[k], high[k] - at[k]) - radius);
   if (field->drum)
     gap = fmin(gap, 0.5 * field->scene->chamber.diameter - sqrt(r.x * r.x + r.z * r.z) - radius);
   return gap;
@@ -149,14 +140,11 @@ double em_start_field_blade_gap(const struct em_start_field *field, struct em_ve
     const struct em_blade *blade = &field->blade[k];
     /* Farther along the rotor's axis than the blade is thick: no contact. */
     double along = fabs(em_vec_dot(em_vec_sub(r, blade->centre), blade->axis));
-    if (along > 2.0 * radius + blade->radius)
-      continue;
+    if (along > 2.0 * radius + blade->radius) continue;
     double gap = em_surface_blade_gap(blade, r, radius, blade->angle);
-    if (gap >= least)
-      continue;
+    if (gap >= least) continue;
     least = gap;
-    if (nearest)
-      *nearest = blade;
+    if (nearest) *nearest = blade;
   }
   return least;
 }
@@ -173,8 +161,7 @@ static int around(int32_t c, int32_t cells, bool periodic, int32_t list[3]) {
     bool seen = false;
     for (int i = 0; i < n; ++i)
       seen = seen || list[i] == k;
-    if (!seen)
-      list[n++] = k;
+    if (!seen) list[n++] = k;
   }
   return n;
 }
@@ -191,8 +178,7 @@ bool em_start_field_each(const struct em_start_field *field, struct em_vec r,
       for (int x = 0; x < n[0]; ++x) {
         size_t cell = cell_index(field, list[0][x], list[1][y], list[2][z]);
         for (int32_t k = field->head[cell]; k >= 0; k = field->next[k])
-          if (!visit(self, (size_t)k))
-            return false;
+          if (!visit(self, (size_t)k)) return false;
       }
   return true;
 }
@@ -206,8 +192,7 @@ struct candidate {
 
 static bool keeps_away(void *self, size_t k) {
   const struct candidate *c = self;
-  if (k == c->self)
-    return true;
+  if (k == c->self) return true;
   struct em_vec d = em_start_field_between(c->field, c->r, c->field->balls->position[k]);
   double sigma = (c->radius + c->field->balls->radius[k]) * (1.0 + c->clearance);
   return em_vec_norm2(d) >= sigma * sigma;

@@ -38,8 +38,8 @@ struct em_vec em_start_field_between(const struct em_start_field *field, struct 
 /* A position moved into the period. */
 struct em_vec em_start_field_wrap(const struct em_start_field *field, struct em_vec r);
 
-/* Smallest gap (m) between a ball of that radius at r and the walls; between it and the blades (with
- * its blade, if asked for), INFINITY where there are none near. */
+/* Smallest gap (m) between a ball of that radius at r and the walls; between it and the blades
+ * (with its blade, if asked for), INFINITY where there are none near. */
 double em_start_field_wall_gap(const struct em_start_field *field, struct em_vec r, double radius);
 double em_start_field_blade_gap(const struct em_start_field *field, struct em_vec r, double radius,
                                 const struct em_blade **nearest);

@@ -1,6 +1,6 @@
 /* Fills a region evenly with a face-centred lattice, stretched to fit it. Sites are the points of a
- * grid of planes whose three indices have an even sum: neighbours are √(h_i² + h_j²) or 2 h_i apart,
- * h being the distances between planes. */
+ * grid of planes whose three indices have an even sum: neighbours are √(h_i² + h_j²) or 2 h_i
+ * apart, h being the distances between planes. */
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ struct lattice {
   double length[3]; /* m, room for centres */
   bool periodic[3];
   int planes[3];
-  double h[3]; /* m */
+  double h[3];  /* m */
   double sigma; /* m, least distance of neighbours */
 };
 
@@ -32,10 +32,8 @@ static double least_distance(const struct lattice *l) {
   double least = INFINITY;
   for (int i = 0; i < 3; ++i) {
     int j = (i + 1) % 3;
-    if (l->planes[i] > 1 && l->planes[j] > 1)
-      least = fmin(least, hypot(l->h[i], l->h[j]));
-    if (l->planes[i] > 2 || l->periodic[i])
-      least = fmin(least, 2.0 * l->h[i]);
+    if (l->planes[i] > 1 && l->planes[j] > 1) least = fmin(least, hypot(l->h[i], l->h[j]));
+    if (l->planes[i] > 2 || l->periodic[i]) least = fmin(least, 2.0 * l->h[i]);
   }
   return least;
 }
@@ -59,17 +57,15 @@ static size_t collect(const struct lattice *l, const struct em_start_field *fiel
     for (int j = 0; j < l->planes[1]; ++j)
       for (int i = (j + k) & 1; i < l->planes[0]; i += 2) {
         struct em_vec r = em_start_field_wrap(field, site(l, i, j, k));
-        if (!em_start_field_fits(field, largest, r, EM_START_CLEARANCE))
-          continue;
-        if (sites)
-          sites[n] = r;
+        if (!em_start_field_fits(field, largest, r, EM_START_CLEARANCE)) continue;
+        if (sites) sites[n] = r;
         ++n;
       }
   return n;
 }
 
-/* Of the eight ways to round the planes for a distance h, the one with the largest least distance of
- * neighbours among those that have `needed` sites or more; false if none is good. */
+/* Of the eight ways to round the planes for a distance h, the one with the largest least distance
+ * of neighbours among those that have `needed` sites or more; false if none is good. */
 static bool try_distance(struct lattice *l, const struct em_start_field *field, size_t largest,
                          double h, size_t needed, size_t *found) {
   struct lattice best = *l;
@@ -82,11 +78,9 @@ static bool try_distance(struct lattice *l, const struct em_start_field *field, 
     }
     double sites = 0.5 * one.planes[0] * (double)one.planes[1] * one.planes[2] + 1.0;
     double least = least_distance(&one);
-    if (sites < (double)needed || least < l->sigma || least <= widest)
-      continue;
+    if (sites < (double)needed || least < l->sigma || least <= widest) continue;
     size_t n = collect(&one, field, largest, NULL);
-    if (n < needed)
-      continue;
+    if (n < needed) continue;
     widest = least;
     *found = n;
     best = one;
@@ -100,8 +94,7 @@ static void deal(struct em_start_field *field, size_t count, const struct em_sta
                  struct em_vec *sites, size_t found, size_t needed, gsl_rng *rng) {
   for (size_t k = 0; k < needed; ++k)
     sites[k] = sites[(size_t)((double)k * ((double)found / (double)needed))];
-  if (count > 1)
-    gsl_ran_shuffle(rng, sites, needed, sizeof *sites);
+  if (count > 1) gsl_ran_shuffle(rng, sites, needed, sizeof *sites);
   size_t next = 0;
   for (size_t g = 0; g < count; ++g)
     for (size_t k = 0; k < group[g].species->count; ++k) {
@@ -117,11 +110,9 @@ enum em_status em_start_lattice_fill(struct em_start_field *field, size_t count,
   const struct em_start_group *widest = &group[0];
   for (size_t g = 0; g < count; ++g) {
     needed += group[g].species->count;
-    if (group[g].species->diameter > widest->species->diameter)
-      widest = &group[g];
+    if (group[g].species->diameter > widest->species->diameter) widest = &group[g];
   }
-  if (needed == 0)
-    return EM_OK;
+  if (needed == 0) return EM_OK;
   struct em_vec low, high;
   em_start_place_box(field, widest->species, &low, &high);
   struct lattice l = {.sigma = widest->species->diameter * (1.0 + EM_START_CLEARANCE)};
@@ -144,9 +135,9 @@ enum em_status em_start_lattice_fill(struct em_start_field *field, size_t count,
   if (!good)
     return em_error_set(err, EM_INPUT, field->scene->file, 0,
                         "balls: no lattice of %zu balls of %.4g m fits, expected fewer or smaller "
-                        "balls or a larger region", needed, widest->species->diameter);
-  if (!sites)
-    return em_error_set(err, EM_MEMORY, NULL, 0, "no memory to place %zu balls", needed);
+                        "balls or a larger region",
+                        needed, widest->species->diameter);
+  if (!sites) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory to place %zu balls", needed);
   collect(&l, field, widest->first, sites);
   deal(field, count, group, sites, found, needed, rng);
   free(sites);

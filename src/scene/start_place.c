@@ -16,8 +16,7 @@ void em_start_place_box(const struct em_start_field *field, const struct em_spec
   *high = em_vec_sub(field->high, inset);
   if (species->start == EM_START_HALF)
     high->z = fmin(high->z, 0.5 * (field->low.z + field->high.z));
-  if (!species->has_region)
-    return;
+  if (!species->has_region) return;
   *low = em_vec_make(fmax(low->x, species->low.x), fmax(low->y, species->low.y),
                      fmax(low->z, species->low.z));
   *high = em_vec_make(fmin(high->x, species->high.x), fmin(high->y, species->high.y),
@@ -40,8 +39,7 @@ static struct em_vec point_in_drum(const struct em_start_field *field,
 
 struct em_vec em_start_place_point(const struct em_start_field *field,
                                    const struct em_species *species, gsl_rng *rng) {
-  if (field->drum && !species->has_region)
-    return point_in_drum(field, species, rng);
+  if (field->drum && !species->has_region) return point_in_drum(field, species, rng);
   struct em_vec low, high;
   em_start_place_box(field, species, &low, &high);
   double x = between(low.x, high.x, rng), y = between(low.y, high.y, rng);
@@ -52,36 +50,33 @@ struct em_vec em_start_place_point(const struct em_start_field *field,
 static int by_size(const void *a, const void *b) {
   const struct em_start_group *p = a, *q = b;
   double d = q->species->diameter - p->species->diameter;
-  if (d != 0.0)
-    return d > 0.0 ? 1 : -1;
+  if (d != 0.0) return d > 0.0 ? 1 : -1;
   return p->number < q->number ? -1 : p->number > q->number;
 }
 
 enum { TRIES_PER_BALL = 1000 };
 
-/* Tries that all balls may take together. Few balls may try long, as the reference's do; for many it
- * is faster to push them apart. */
+/* Tries that all balls may take together. Few balls may try long, as the reference's do; for many
+ * it is faster to push them apart. */
 static size_t tries_allowed(size_t balls) {
   const size_t few = 2000000, each = 2;
   return balls * each > few ? balls * each : few;
 }
 
 /* Inserts one group's balls from `placed` on until one finds no room; `tries` is what is left. */
-static size_t insert(struct em_start_field *field, const struct em_start_group *group,
-                     gsl_rng *rng, size_t *tries) {
+static size_t insert(struct em_start_field *field, const struct em_start_group *group, gsl_rng *rng,
+                     size_t *tries) {
   const struct em_species *s = group->species;
   size_t placed = 0;
   for (; placed < s->count; ++placed) {
     size_t k = group->first + placed;
     bool found = false;
-    for (int t = 0; t < TRIES_PER_BALL && *tries > 0 && !found; ++t, --*tries) {
+    for (int t = 0; t<TRIES_PER_BALL && * tries> 0 && !found; ++t, --*tries) {
       struct em_vec r = em_start_place_point(field, s, rng);
       found = em_start_field_fits(field, k, r, EM_START_CLEARANCE);
-      if (found)
-        field->balls->position[k] = r;
+      if (found) field->balls->position[k] = r;
     }
-    if (!found)
-      break;
+    if (!found) break;
     em_start_field_put(field, k);
   }
   return placed;
@@ -116,15 +111,16 @@ static enum em_status no_room(const struct em_start_field *field, size_t count,
     volume += (double)s->count * M_PI / 6.0 * pow(s->diameter, 3);
   }
   double share = volume / em_scene_volume(field->scene);
-  return em_error_set(err, EM_INPUT, field->scene->file, 0,
-                      "balls: only %zu of %zu found room at random, and pushing them apart did not "
-                      "end; they would fill %.3g of the chamber, expected fewer or smaller balls, a "
-                      "larger region, or start = \"lattice\"",
-                      placed, total, share);
+  return em_error_set(
+      err, EM_INPUT, field->scene->file, 0,
+      "balls: only %zu of %zu found room at random, and pushing them apart did not "
+      "end; they would fill %.3g of the chamber, expected fewer or smaller balls, a "
+      "larger region, or start = \"lattice\"",
+      placed, total, share);
 }
 
-/* Numbers the balls of a group along the cells of the field, so that neighbours lie close in memory;
- * they are all alike. */
+/* Numbers the balls of a group along the cells of the field, so that neighbours lie close in
+ * memory; they are all alike. */
 static void sort_places(struct em_start_field *field, const struct em_start_group *group) {
   struct em_vec *r = field->balls->position + group->first;
   size_t n = group->species->count;
@@ -148,8 +144,7 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
                                      struct em_start_group *group, gsl_rng *rng,
                                      struct em_error *err) {
   size_t total = 0, placed = 0;
-  if (count == 0)
-    return EM_OK;
+  if (count == 0) return EM_OK;
   qsort(group, count, sizeof *group, by_size);
   for (size_t g = 0; g < count; ++g)
     total += group[g].species->count;
@@ -158,16 +153,12 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
   for (size_t g = 0; g < count; ++g) {
     size_t n = loose ? 0 : insert(field, &group[g], rng, &tries);
     placed += n;
-    if (n == group[g].species->count)
-      continue;
-    if (!loose)
-      loose = calloc(field->balls->count, sizeof *loose);
-    if (!loose)
-      return em_error_set(err, EM_MEMORY, NULL, 0, "no memory to place %zu balls", total);
+    if (n == group[g].species->count) continue;
+    if (!loose) loose = calloc(field->balls->count, sizeof *loose);
+    if (!loose) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory to place %zu balls", total);
     strew(field, &group[g], n, rng);
   }
-  if (!loose)
-    return EM_OK;
+  if (!loose) return EM_OK;
   for (size_t g = 0; g < count; ++g) {
     for (size_t k = 0; k < group[g].species->count; ++k)
       loose[group[g].first + k] = true;

@@ -1,5 +1,6 @@
-/* Pushes overlapping balls apart, ball by ball, until none overlaps: for packings that are too dense
- * for random insertion (beyond about a third of the volume) and not yet near the densest ones. */
+/* Pushes overlapping balls apart, ball by ball, until none overlaps: for packings that are too
+ * dense for random insertion (beyond about a third of the volume) and not yet near the densest
+ * ones. */
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,12 +8,12 @@
 
 #include "scene/start_place.h"
 
-/* Balls that overlap are pushed a little farther apart than they must be, so that the sweeps come to
- * an end. */
+/* Balls that overlap are pushed a little farther apart than they must be, so that the sweeps come
+ * to an end. */
 static const double ROOM = 1e-3;
 
-/* Balls that are to be looked at in this sweep and in the next: those that moved, and all that might
- * now overlap them. */
+/* Balls that are to be looked at in this sweep and in the next: those that moved, and all that
+ * might now overlap them. */
 struct pushing {
   struct em_start_field *field;
   const bool *loose;
@@ -34,13 +35,11 @@ struct pushed {
 static bool push_from(void *self, size_t k) {
   struct pushed *p = self;
   const struct em_start_field *f = p->all->field;
-  if (k == p->self)
-    return true;
+  if (k == p->self) return true;
   struct em_vec d = em_start_field_between(f, p->r, f->balls->position[k]);
   double sigma = p->radius + f->balls->radius[k], r2 = em_vec_norm2(d);
   double least = sigma * (1.0 + EM_START_CLEARANCE);
-  if (r2 >= least * least)
-    return true;
+  if (r2 >= least * least) return true;
   p->overlaps = true;
   double r = sqrt(r2);
   if (r > 1e-6 * sigma)
@@ -63,15 +62,13 @@ static bool wake(void *self, size_t k) {
   const struct em_start_field *f = p->all->field;
   struct em_vec d = em_start_field_between(f, p->r, f->balls->position[k]);
   double least = (p->radius + f->balls->radius[k]) * (1.0 + EM_START_CLEARANCE);
-  if (em_vec_norm2(d) < least * least)
-    p->all->next[k] = true;
+  if (em_vec_norm2(d) < least * least) p->all->next[k] = true;
   return true;
 }
 
 /* A range without extent gives its middle. */
 static double clamp(double x, double low, double high) {
-  if (low > high)
-    return 0.5 * (low + high);
+  if (low > high) return 0.5 * (low + high);
   return x < low ? low : x > high ? high : x;
 }
 
@@ -83,8 +80,7 @@ static struct em_vec inside(const struct em_start_field *f, struct em_vec r, dou
   r.x = clamp(r.x, low.x + in, high.x - in);
   r.y = clamp(r.y, low.y + in, high.y - in);
   r.z = clamp(r.z, low.z + in, high.z - in);
-  if (!f->drum)
-    return r;
+  if (!f->drum) return r;
   double rho = 0.5 * f->scene->chamber.diameter - radius - in, s = hypot(r.x, r.z);
   if (s > rho) {
     double shrink = (rho - in) / s;
@@ -94,7 +90,8 @@ static struct em_vec inside(const struct em_start_field *f, struct em_vec r, dou
   return r;
 }
 
-/* Moves a ball out of what it overlaps and back to where it may be; true when it had to be moved. */
+/* Moves a ball out of what it overlaps and back to where it may be; true when it had to be moved.
+ */
 static bool push_ball(struct pushing *all, size_t k) {
   struct em_start_field *f = all->field;
   struct em_vec low, high, r = em_start_field_wrap(f, f->balls->position[k]);
@@ -104,13 +101,11 @@ static bool push_ball(struct pushing *all, size_t k) {
   const struct em_blade *blade = NULL;
   double gap = em_start_field_blade_gap(f, p.r, radius, &blade);
   if (gap < in)
-    p.r = em_vec_axpy(p.r, ROOM * radius - gap,
-                      em_surface_blade_normal(blade, p.r, blade->angle));
+    p.r = em_vec_axpy(p.r, ROOM * radius - gap, em_surface_blade_normal(blade, p.r, blade->angle));
   em_start_place_box(f, &f->scene->species[f->balls->species[k]], &low, &high);
   p.r = inside(f, p.r, radius, low, high);
   f->balls->position[k] = p.r;
-  if (!p.overlaps && p.r.x == r.x && p.r.y == r.y && p.r.z == r.z)
-    return false;
+  if (!p.overlaps && p.r.x == r.x && p.r.y == r.y && p.r.z == r.z) return false;
   all->next[k] = true;
   em_start_field_each(f, p.r, wake, &p);
   return true;
@@ -129,8 +124,8 @@ static bool all_fit(const struct em_start_field *f, const bool *loose) {
   return true;
 }
 
-/* Sweeps over the balls that are awake. Gives up when PATIENCE sweeps have not brought the number of
- * overlaps down by a fifth. */
+/* Sweeps over the balls that are awake. Gives up when PATIENCE sweeps have not brought the number
+ * of overlaps down by a fifth. */
 static bool sweep_all(struct pushing *all) {
   enum { PATIENCE = 150 };
   size_t n = all->field->balls->count, least = n + 1;
@@ -143,13 +138,11 @@ static bool sweep_all(struct pushing *all) {
     memset(all->next, 0, n * sizeof *all->next);
     put_all(all->field);
     for (size_t k = 0; k < n; ++k)
-      if (now[k] && all->loose[k])
-        overlaps += push_ball(all, k);
+      if (now[k] && all->loose[k]) overlaps += push_ball(all, k);
     if (overlaps == 0) {
       /* Cells are those at the sweep's beginning: make sure that nothing was overlooked. */
       put_all(all->field);
-      if (all_fit(all->field, all->loose))
-        return true;
+      if (all_fit(all->field, all->loose)) return true;
       memcpy(all->next, all->loose, n * sizeof *all->next);
     } else if (overlaps < least - least / 5) {
       least = overlaps;

@@ -1,5 +1,5 @@
-/* Fuzz target: any text is a scene or gives an error; a scene prints as a scene. The first line, if it
- * begins with "%", holds an override. */
+/* Fuzz target: any text is a scene or gives an error; a scene prints as a scene. The first line, if
+ * it begins with "%", holds an override. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,11 +11,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void read_back(const struct em_scene *scene) {
   char *text = em_scene_text(scene);
   struct em_scene *again;
-  if (!text || em_scene_parse(&again, text, "again.cfg", 0, NULL, NULL) != EM_OK)
-    abort();
+  if (!text || em_scene_parse(&again, text, "again.cfg", 0, NULL, NULL) != EM_OK) abort();
   char *second = em_scene_text(again);
-  if (!second || strcmp(text, second) != 0)
-    abort();
+  if (!second || strcmp(text, second) != 0) abort();
   em_scene_free(again);
   free(second);
   free(text);
@@ -23,8 +21,7 @@ static void read_back(const struct em_scene *scene) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   char *text = malloc(size + 1);
-  if (!text)
-    return 0;
+  if (!text) return 0;
   memcpy(text, data, size);
   text[size] = '\0';
   char *scene_text = text, *line = text[0] == '%' ? strchr(text, '\n') : NULL;

@@ -14,16 +14,15 @@
 #include "eventmill/scene.h"
 #include "scene/scene_table.h"
 
-#define DRUM "chamber = { diameter = 0.146; length = 0.135; };"
+#define DRUM  "chamber = { diameter = 0.146; length = 0.135; };"
 #define BALLS "balls = { count = 10; diameter = 0.005; };"
-#define BAR "y = 0.06; radius = 0.006; reach = 0.058;"
+#define BAR   "y = 0.06; radius = 0.006; reach = 0.058;"
 
 static struct em_scene *parse(const char *text) {
   struct em_scene *scene;
   struct em_error err = {0};
   enum em_status status = em_scene_parse(&scene, text, "t.cfg", 0, NULL, &err);
-  if (status != EM_OK)
-    print_error("%s\n", err.text);
+  if (status != EM_OK) print_error("%s\n", err.text);
   assert_int_equal(status, EM_OK);
   return scene;
 }
@@ -251,10 +250,8 @@ static void round_trip(const struct em_scene *s) {
     assert_true(a->speed == b->speed && a->start == b->start && a->has_region == b->has_region);
     assert_memory_equal(&a->low, &b->low, sizeof a->low);
     assert_memory_equal(&a->high, &b->high, sizeof a->high);
-    if (a->position)
-      assert_memory_equal(a->position, b->position, a->count * sizeof *a->position);
-    if (a->velocity)
-      assert_memory_equal(a->velocity, b->velocity, a->count * sizeof *a->velocity);
+    if (a->position) assert_memory_equal(a->position, b->position, a->count * sizeof *a->position);
+    if (a->velocity) assert_memory_equal(a->velocity, b->velocity, a->count * sizeof *a->velocity);
     assert_int_equal(a->spin != NULL, b->spin != NULL);
   }
   for (int k = 0; k < EM_CLASS_COUNT; ++k) {
@@ -278,9 +275,9 @@ static void round_trip(const struct em_scene *s) {
 static void printed_scenes_read_back_to_the_same_bits(void **state) {
   (void)state;
   static const char *const files[] = {
-      "geometries/simoloyer-2l.cfg", "geometries/ideal-gas.cfg",
+      "geometries/simoloyer-2l.cfg",      "geometries/ideal-gas.cfg",
       "geometries/ideal-gas-gravity.cfg", "geometries/bouncing-ball.cfg",
-      "geometries/newtons-cradle.cfg", "geometries/two-rotors.cfg"};
+      "geometries/newtons-cradle.cfg",    "geometries/two-rotors.cfg"};
   for (size_t k = 0; k < sizeof files / sizeof files[0]; ++k) {
     struct em_scene *s;
     struct em_error err = {0};
@@ -342,7 +339,8 @@ static void a_scene_has_only_the_effects_it_calls_for(void **state) {
   (void)state;
   const unsigned all = EM_EFFECT_GRAVITY | EM_EFFECT_SPIN | EM_EFFECT_RESTITUTION;
   assert_int_equal(effects_of(DRUM BALLS), all);
-  assert_int_equal(effects_of(DRUM BALLS "gravity = \"none\";"), all & ~(unsigned)EM_EFFECT_GRAVITY);
+  assert_int_equal(effects_of(DRUM BALLS "gravity = \"none\";"),
+                   all & ~(unsigned)EM_EFFECT_GRAVITY);
 #define PLAIN DRUM "gravity = \"none\"; contact = { rule = \"smooth\"; normal = 0.9; };"
   assert_int_equal(effects_of(PLAIN BALLS), 0);
   assert_int_equal(effects_of(DRUM BALLS "gravity = \"none\"; contact = { rule = \"rough\";"

@@ -56,8 +56,10 @@ static void syntax(void **state) {
 static void names(void **state) {
   (void)state;
   static const struct fault faults[] = {
-      {DRUM BALLS "durration = 1;", "bad.cfg:3: error: durration: unknown entry, expected \"durati"},
-      {DRUM BALLS "zzzzzzzz = 1;", "bad.cfg:3: error: zzzzzzzz: unknown entry, expected one of: ti"},
+      {DRUM BALLS "durration = 1;",
+       "bad.cfg:3: error: durration: unknown entry, expected \"durati"},
+      {DRUM BALLS "zzzzzzzz = 1;",
+       "bad.cfg:3: error: zzzzzzzz: unknown entry, expected one of: ti"},
       {DRUM "balls = { count = 1;\n diamter = 0.005; diameter = 0.005; };",
        "bad.cfg:3: error: balls.diamter: unknown entry, expected \"diameter\"?"},
       {DRUM BALLS "engine = { list = \"tree\"; };",
@@ -90,7 +92,8 @@ static void types_and_ranges(void **state) {
       {DRUM BALLS "title = 5;", "bad.cfg:3: error: title: found 5, expected a text of at most 255"},
       {DRUM BALLS "gravity = [0.0, 1.0];",
        "bad.cfg:3: error: gravity: found a list of 2, expected three numbers [x, y, z] (m/s²) or"},
-      {DRUM BALLS "gravity = \"down\";", "bad.cfg:3: error: gravity: found \"down\", expected three"},
+      {DRUM BALLS "gravity = \"down\";",
+       "bad.cfg:3: error: gravity: found \"down\", expected three"},
       {DRUM BALLS "engine = { simd = 1; };",
        "bad.cfg:3: error: engine.simd: found 1, expected true or false"},
       {DRUM BALLS "engine = { lists = \"heap\"; };",
@@ -122,7 +125,8 @@ static void types_and_ranges(void **state) {
       {BALLS "chamber = { shape = \"box\"; size = [1, 1, 1]; periodic = [true, 1, true]; };",
        "bad.cfg:2: error: chamber.periodic: found a list of 3, expected true, false, or three"},
       {DRUM BALLS "rotor = { axis = [0, 0, 0]; blades = (); };",
-       "bad.cfg:3: error: rotor.axis: found a list of 3, expected a direction other than (0, 0, 0)"},
+       "bad.cfg:3: error: rotor.axis: found a list of 3, expected a direction other than (0, 0, "
+       "0)"},
   };
   CHECK_ALL(faults);
 }
@@ -185,7 +189,8 @@ static void impossible_machines(void **state) {
        "bad.cfg:3: error: rotor.blades.0: touches the end wall at the upper end of y"},
       {DRUM BALLS "rotor = { blades = ({" BAR "},\n{ y = 0.0719; radius = 0.006;"
                   "reach = 0.058; angle_deg = 90; }); };",
-       "bad.cfg:4: error: rotor.blades.1: touches rotor.blades.0, expected blades that never touch"},
+       "bad.cfg:4: error: rotor.blades.1: touches rotor.blades.0, expected blades that never "
+       "touch"},
       /* The same, but at other phases: across each other when both stand at 45°. */
       {BALLS "chamber = { shape = \"box\"; size = [0.3, 0.135, 0.146]; };\n"
              "rotor = ({ rpm = 100; point = [0.073, 0, 0.073]; blades = ({" BAR "}); },\n"

@@ -1,4 +1,5 @@
-/* KEY=VALUE: every path that scripts use, in scenes with one or several rotors, species, contacts. */
+/* KEY=VALUE: every path that scripts use, in scenes with one or several rotors, species, contacts.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +46,8 @@ static void rejected(const char *text, const char *override, const char *message
   struct em_scene *scene;
   struct em_error err = {0};
   enum em_status status = em_scene_parse(&scene, text, "o.cfg", 1, &override, &err);
-  if (status != EM_INPUT || strncmp(err.text, message, strlen(message)) != 0 || strchr(err.text, '\n'))
+  if (status != EM_INPUT || strncmp(err.text, message, strlen(message)) != 0 ||
+      strchr(err.text, '\n'))
     fail_msg("\n%s\nreport %s\nwanted %s", override, err.text, message);
 }
 
@@ -55,8 +57,8 @@ static double rpm(const struct em_scene *s, size_t rotor, size_t blade) {
 
 static void plain_entries(void **state) {
   (void)state;
-  struct em_scene *s = with(plain, "duration=0.25", "seed=4000000000", "gravity=[0,0,-1.6]",
-                            "title=a b, c");
+  struct em_scene *s =
+      with(plain, "duration=0.25", "seed=4000000000", "gravity=[0,0,-1.6]", "title=a b, c");
   assert_true(s->duration == 0.25 && s->seed == 4000000000u && s->gravity.z == -1.6);
   assert_string_equal(s->title, "a b, c");
   em_scene_free(s);
@@ -119,8 +121,10 @@ static void number_of_all_balls(void **state) {
   static const struct {
     const char *override;
     size_t count[3];
-  } cases[] = {{"balls.count=700", {100, 200, 400}}, {"balls.count=8", {1, 2, 5}},
-               {"balls.count=1", {0, 0, 1}},         {"balls.count=0", {0, 0, 0}},
+  } cases[] = {{"balls.count=700", {100, 200, 400}},
+               {"balls.count=8", {1, 2, 5}},
+               {"balls.count=1", {0, 0, 1}},
+               {"balls.count=0", {0, 0, 0}},
                {"balls.1.count=5", {10, 5, 40}}};
   for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
     struct em_scene *s = with(several, cases[k].override, NULL, NULL, NULL);
@@ -140,8 +144,8 @@ static void number_of_all_balls(void **state) {
 
 static void entries_of_all_balls_and_blades(void **state) {
   (void)state;
-  struct em_scene *s = with(several, "balls.diameter=0.003", "balls.density=1000",
-                            "balls.2.name=c", "rotor.1.blades.0.angle_deg=90");
+  struct em_scene *s = with(several, "balls.diameter=0.003", "balls.density=1000", "balls.2.name=c",
+                            "rotor.1.blades.0.angle_deg=90");
   for (size_t k = 0; k < 3; ++k)
     assert_true(s->species[k].diameter == 0.003 && s->species[k].density == 1000.0);
   assert_string_equal(s->species[2].name, "c");
@@ -197,20 +201,23 @@ static void bad_overrides(void **state) {
   rejected(plain, "rotor.rpm=fast",
            "command line: error: rotor.rpm: found \"fast\", expected a number (1/min)");
   rejected(plain, "engine.lists=heap", "command line: error: engine.lists: found \"heap\"");
-  rejected(plain, "rotor.rmp=5", "command line: error: rotor.rmp: unknown entry, expected \"rpm\"?");
+  rejected(plain, "rotor.rmp=5",
+           "command line: error: rotor.rmp: unknown entry, expected \"rpm\"?");
   rejected(plain, "rotor.1.rpm=5", "command line: error: rotor.1.rpm: there is no such element");
   rejected(plain, "rotor.blades.2.y=5",
            "command line: error: rotor.blades.2.y: rotor.blades has 2 elements");
   rejected(plain, "rotor.blades.1=5", "command line: error: rotor.blades.1: is an element");
   rejected(plain, "duration.x=5", "command line: error: duration: found a group { }, expected a");
-  rejected(plain, "balls.count.x=5", "command line: error: balls.count.x: goes into something that");
+  rejected(plain, "balls.count.x=5",
+           "command line: error: balls.count.x: goes into something that");
   rejected(plain, "seed={}", "command line: error: seed: found a group { }, expected an integer");
   rejected(plain, "rotor.0=5", "command line: error: rotor.0: there is no such element");
   rejected(plain, "a b=5", "command line: error: a b: cannot be set, expected a name made of");
   rejected(no_rotor, "rotor.rpm=5", "command line: error: rotor.rpm: the scene has no rotor");
   rejected(plain, "contact.ball-end.normal.A=1",
            "command line: error: contact.ball-end.normal.A: the law is a number");
-  rejected(several, "balls.count=1.5", "command line: error: balls.count: expected an integer not below 0");
+  rejected(several, "balls.count=1.5",
+           "command line: error: balls.count: expected an integer not below 0");
 }
 
 /* A fault of the machine that an override brought about is the command line's. */

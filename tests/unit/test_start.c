@@ -1,6 +1,6 @@
-/* How balls start: free of each other, of walls and blades; uniform where they should be; directions
- * without preference; given places as given; errors where there is no room. Seeds are fixed, so each
- * χ² has one value; it must lie between the quantiles 0.001 and 0.999. */
+/* How balls start: free of each other, of walls and blades; uniform where they should be;
+ * directions without preference; given places as given; errors where there is no room. Seeds are
+ * fixed, so each χ² has one value; it must lie between the quantiles 0.001 and 0.999. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,10 +15,10 @@
 
 #include "eventmill/start.h"
 
-#define MILL                                                                                       \
-  "chamber = { diameter = 0.146; length = 0.135; };"                                               \
-  "rotor = { rpm = 1300; radius = 0.006; reach = 0.058; tip = \"%s\"; blades = ("                  \
-  "{ y = 0.0225; }, { y = 0.045; angle_deg = 60; }, { y = 0.0675; angle_deg = 120; },"             \
+#define MILL                                                                           \
+  "chamber = { diameter = 0.146; length = 0.135; };"                                   \
+  "rotor = { rpm = 1300; radius = 0.006; reach = 0.058; tip = \"%s\"; blades = ("      \
+  "{ y = 0.0225; }, { y = 0.045; angle_deg = 60; }, { y = 0.0675; angle_deg = 120; }," \
   "{ y = 0.09; angle_deg = 180; }, { y = 0.1125; angle_deg = 240; }); };"
 
 #define DRUM "chamber = { diameter = 0.146; length = 0.135; };"
@@ -32,16 +32,14 @@ struct started {
 static struct em_scene *parse(const char *text) {
   struct em_scene *scene;
   struct em_error err = {0};
-  if (em_scene_parse(&scene, text, "t.cfg", 0, NULL, &err) != EM_OK)
-    fail_msg("%s", err.text);
+  if (em_scene_parse(&scene, text, "t.cfg", 0, NULL, &err) != EM_OK) fail_msg("%s", err.text);
   return scene;
 }
 
 static struct started start(const char *text) {
   struct started s = {.scene = parse(text)};
   struct em_error err = {0};
-  if (em_start_make(&s.balls, s.scene, NULL, &err) != EM_OK)
-    fail_msg("%s\n%s", text, err.text);
+  if (em_start_make(&s.balls, s.scene, NULL, &err) != EM_OK) fail_msg("%s\n%s", text, err.text);
   return s;
 }
 
@@ -64,9 +62,9 @@ static void assert_free(const struct started *s, double clearance) {
   for (size_t i = 0; i < b->count; ++i) {
     struct em_vec p = b->position[i];
     double room = 0.999 * clearance * b->radius[i], r = b->radius[i] + room;
-    assert_true(drum ? hypot(p.x, p.z) <= high.x - r
-                     : c->periodic[0] ? p.x >= 0 && p.x < high.x
-                                      : p.x >= low.x + r && p.x <= high.x - r);
+    assert_true(drum             ? hypot(p.x, p.z) <= high.x - r
+                : c->periodic[0] ? p.x >= 0 && p.x < high.x
+                                 : p.x >= low.x + r && p.x <= high.x - r);
     assert_true(!drum && c->periodic[1] ? p.y >= 0 && p.y < high.y
                                         : p.y >= low.y + r && p.y <= high.y - r);
     assert_true(!drum && c->periodic[2] ? p.z >= 0 && p.z < high.z
@@ -131,8 +129,8 @@ static void dense_starts(void **state) {
   }
   /* 5000 balls below the axis of the mill, and as many as are ever milled, on a lattice. */
   char text[1024];
-  snprintf(text, sizeof text,
-           MILL "balls = { count = 5000; diameter = 0.005; start = \"half\"; };", "flat");
+  snprintf(text, sizeof text, MILL "balls = { count = 5000; diameter = 0.005; start = \"half\"; };",
+           "flat");
   struct started s = start(text);
   assert_free(&s, 1e-9);
   for (size_t k = 0; k < s.balls->count; ++k)
@@ -204,8 +202,7 @@ static void assert_even(size_t bins, const size_t *count, size_t total) {
   for (size_t k = 0; k < bins; ++k)
     chi2 += ((double)count[k] - expected) * ((double)count[k] - expected) / expected;
   double p = gsl_cdf_chisq_P(chi2, (double)bins - 1.0);
-  if (p < 0.001 || p > 0.999)
-    fail_msg("chi² %g of %zu bins: p %g", chi2, bins, p);
+  if (p < 0.001 || p > 0.999) fail_msg("chi² %g of %zu bins: p %g", chi2, bins, p);
 }
 
 enum { BINS = 20 };
@@ -277,8 +274,8 @@ static void directions_without_preference(void **state) {
   end(&s);
 }
 
-/* Balls that were pushed apart are spread evenly as well (coarsely: neighbours repel, so that counts
- * vary less than by chance; more would be a fault). */
+/* Balls that were pushed apart are spread evenly as well (coarsely: neighbours repel, so that
+ * counts vary less than by chance; more would be a fault). */
 static void dense_starts_are_even(void **state) {
   (void)state;
   char text[512];
@@ -384,8 +381,7 @@ static void no_room(const char *text, const char *message) {
   struct em_error err = {0};
   assert_int_equal(em_start_make(&b, scene, NULL, &err), EM_INPUT);
   assert_null(b);
-  if (!strstr(err.text, message))
-    fail_msg("%s lacks %s", err.text, message);
+  if (!strstr(err.text, message)) fail_msg("%s lacks %s", err.text, message);
   em_scene_free(scene);
 }
 
@@ -400,10 +396,12 @@ static void errors_where_there_is_no_room(void **state) {
   no_room(DRUM "balls = { diameter = 0.005; start = \"table\";"
                "table = ((0, 0.05, 0, 0, 0, 0), (0, 0.054, 0, 0, 0, 0)); };",
           "balls.0: ball 1 at (0, 0.054, 0) overlaps");
-  no_room(DRUM "balls = { diameter = 0.005; start = \"table\"; table = ((0, 0.002, 0, 0, 0, 0)); };",
+  no_room(DRUM
+          "balls = { diameter = 0.005; start = \"table\"; table = ((0, 0.002, 0, 0, 0, 0)); };",
           "balls.0: ball 0 at (0, 0.002, 0) overlaps a wall");
-  no_room(DRUM "rotor = { blades = ({ y = 0.06; radius = 0.006; reach = 0.058; }); };"
-               "balls = { diameter = 0.005; start = \"table\"; table = ((0, 0.06, 0.06, 0, 0, 0)); };",
+  no_room(DRUM
+          "rotor = { blades = ({ y = 0.06; radius = 0.006; reach = 0.058; }); };"
+          "balls = { diameter = 0.005; start = \"table\"; table = ((0, 0.06, 0.06, 0, 0, 0)); };",
           "balls.0: ball 0 at (0, 0.06, 0.06) overlaps a wall, a blade");
 }
 
