@@ -40,3 +40,76 @@ is_finished() {
 clock() { awk -v t="$1" 'BEGIN { t = int(t + 0.5);
   if (t >= 3600) printf "%d:%02d:%02d", t / 3600, t % 3600 / 60, t % 60
   else printf "%d:%02d", t / 60, t % 60 }'; }
+
+# --- diagrams, in the style of millpost's --------------------------------------------------------
+
+colours="#1f5fa8 #d95f0e #1b8a5a #b83270 #6a4ca5 #8c6d1f #2a9db5 #5b606b"
+
+# A text as a gnuplot string.
+quoted() { printf "'%s'" "$(printf '%s' "$1" | sed "s/'/''/g")"; }
+
+# plot_begin OUT.{png,svg,pdf,gp} WIDTH HEIGHT TITLE SUBTITLE: the begin of a script.
+plot_begin() {
+  case $1 in
+    *.png | *.gp) echo "set terminal pngcairo size $2,$3 enhanced font 'DejaVu Sans,13'" ;;
+    *.svg) echo "set terminal svg size $2,$3 enhanced font 'DejaVu Sans,13' background 'white'" ;;
+    *.pdf) awk -v w="$2" -v h="$3" 'BEGIN { printf "set terminal pdfcairo size %gin,%gin " \
+      "enhanced font \"DejaVu Sans,10\"\n", w / 120, h / 120 }' ;;
+    *) usage_error "$1: the name of a diagram must end in .png, .svg, .pdf or .gp" ;;
+  esac
+  case $1 in *.gp) echo "set output $(quoted "$(basename "$1" .gp).png")" ;; esac
+  cat <<END
+set encoding utf8
+set datafile separator ','
+set border 3 lw 1 lc rgb '#5b606b'
+set tics nomirror out scale 0.6 textcolor rgb '#2b2f36'
+set grid back lt 1 lw 0.8 lc rgb '#e4e7eb'
+set key top right samplen 2 spacing 1.25 font ',12' textcolor rgb '#2b2f36' noenhanced
+set tmargin at screen 0.865
+set label 1000 $(quoted "$4") at screen 0.035,0.955 left font ',17' textcolor rgb '#1c1f24' noenhanced front
+set label 1001 $(quoted "$5") at screen 0.035,0.908 left font ',12' textcolor rgb '#6a707b' noenhanced front
+END
+}
+
+# plot_label AXIS TEXT
+plot_label() { echo "set $1label $(quoted "$2") noenhanced textcolor rgb '#2b2f36'"; }
+
+# plot_end SCRIPT OUT: draws it; the picture appears complete or not at all.
+plot_end() {
+  case $2 in *.gp) cp "$1" "$2"; return ;; esac
+  command -v gnuplot >/dev/null || fail "gnuplot is not installed: scripts/setup installs it"
+  gnuplot "$1" >"$2.part" && [ -s "$2.part" ] && mv -f "$2.part" "$2" || {
+    rm -f "$2.part"
+    fail "gnuplot could not draw $2"
+  }
+}
+
+# The words of a column's heading, unit included, from a key and the header of a table.
+heading() { # TABLE KEY
+  awk -F, -v key="$2" '/^#/ { next } { for (k = 1; k <= NF; k++) { name = $k; sub(/ \[.*/, "", name)
+      if (name == key) { found = $k } } exit }
+    END { if (found == "") exit 1
+      unit = ""; if (match(found, /\[.*/)) unit = "  " substr(found, RSTART)
+      words = key
+      if (key == "rotor.rpm") { words = "speed of the rotor"; unit = "  [rpm]" }
+      if (key == "balls.count") words = "number of balls"
+      if (key == "contact.tangential") words = "tangential restitution"
+      if (key == "contact.normal") words = "normal restitution"
+      if (key == "share_above") words = "share of collisions above the threshold"
+      if (key == "rate_above") words = "collisions above the threshold"
+      if (key == "impact") words = "impact power, sum of m v_n^2 / 2"
+      sub(/vn$/, "normal collision speed", words); sub(/_vn_/, " normal collision speed ", words)
+      gsub(/_/, " ", words); print words unit }' "$1"
+}
+
+# columns TABLE KEY...: these columns, without header, in that order.
+columns() {
+  table=$1
+  shift
+  awk -F, -v keys="$*" 'BEGIN { n = split(keys, want, " ") } /^#/ { next }
+    !header { for (k = 1; k <= NF; k++) { name = $k; sub(/ \[.*/, "", name); at[name] = k }
+      for (k = 1; k <= n; k++) if (!(want[k] in at)) {
+        print "no column " want[k] > "/dev/stderr"; exit 2 }
+      header = 1; next }
+    { row = $at[want[1]]; for (k = 2; k <= n; k++) row = row "," $at[want[k]]; print row }' "$table"
+}
