@@ -21,7 +21,7 @@ struct em_twin {
   size_t dirty_words;
   uint64_t written; /* bytes: the hidden copy's length as HDF5 sees it */
   bool published;
-  int error; /* errno of the first failed write */
+  _Atomic int error; /* errno of the first failed write, by whatever thread */
   hid_t driver;
 };
 
