@@ -7,21 +7,21 @@
 
 #include "eventmill/vec.h"
 
-#define EM_CAMERA_LIST(X)                                                      \
-  X(AXIAL, "axial")                 /* along the axis, +y away from us */      \
-  X(SIDE, "side")                   /* from +x; +y to the right */             \
+#define EM_CAMERA_LIST(X)                                                 \
+  X(AXIAL, "axial")                 /* along the axis, +y away from us */ \
+  X(SIDE, "side")                   /* from +x; +y to the right */        \
   X(THREE_QUARTER, "three-quarter") /* between the two, from above */
 #define EM_CAMERA_ENUM(code, text) EM_CAMERA_##code,
 enum em_camera_view { EM_CAMERA_LIST(EM_CAMERA_ENUM) EM_CAMERA_VIEWS };
 #undef EM_CAMERA_ENUM
 
 struct em_camera {
-  double azimuth;   /* rad about +z; 0: axial, π/2: side */
-  double elevation; /* rad above the horizon, within ±π/2 */
-  double fov;       /* rad, height of the field of view; 0: parallel projection */
-  double zoom;      /* 1: the scene just fits */
+  double azimuth;                  /* rad about +z; 0: axial, π/2: side */
+  double elevation;                /* rad above the horizon, within ±π/2 */
+  double fov;                      /* rad, height of the field of view; 0: parallel projection */
+  double zoom;                     /* 1: the scene just fits */
   double left, right, top, bottom; /* shares of the picture to keep free at its sides */
-  bool orbits;      /* keep the distance that fits from every azimuth */
+  bool orbits;                     /* keep the distance that fits from every azimuth */
 };
 
 /* Where points go. Matrices are column by column, as OpenGL wants them. */

@@ -6,10 +6,10 @@
 
 #include <stdint.h>
 
-#define EM_COLOUR_LIST(X)                                                      \
-  X(LAGOON, "lagoon")   /* violet, blue, green, yellow: the default */         \
-  X(EMBER, "ember")     /* indigo, magenta, orange, yellow */                  \
-  X(GREY, "grey")       /* without hue */                                      \
+#define EM_COLOUR_LIST(X)                                              \
+  X(LAGOON, "lagoon")   /* violet, blue, green, yellow: the default */ \
+  X(EMBER, "ember")     /* indigo, magenta, orange, yellow */          \
+  X(GREY, "grey")       /* without hue */                              \
   X(BALANCE, "balance") /* blue, white, red: for differences */
 #define EM_COLOUR_ENUM(code, text) EM_COLOUR_##code,
 enum em_colour { EM_COLOUR_LIST(EM_COLOUR_ENUM) EM_COLOUR_COUNT };

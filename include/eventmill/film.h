@@ -11,10 +11,10 @@
 struct em_film_options {
   struct em_picture_options picture; /* width and height are rounded down to even numbers */
   size_t frames;
-  double fps;      /* frames per second of film */
-  double orbit;    /* rad per frame, by which the camera goes round */
-  int workers;     /* processes that draw; 0: one per core; 1: this process alone */
-  int quality;     /* x264's constant rate factor, 0 (best) … 51; 0 stands for 20 */
+  double fps;       /* frames per second of film */
+  double orbit;     /* rad per frame, by which the camera goes round */
+  int workers;      /* processes that draw; 0: one per core; 1: this process alone */
+  int quality;      /* x264's constant rate factor, 0 (best) … 51; 0 stands for 20 */
   size_t bead_room; /* the largest number of beads in a state */
 };
 
@@ -26,9 +26,9 @@ typedef enum em_status em_film_source(void *self, size_t k, struct em_picture_st
 typedef bool em_film_progress(void *self, size_t done, size_t frames);
 
 /* Draws a film of a scene and writes an MP4 file (H.264, yuv420p, ready for streaming), complete or
- * not at all. Unless workers is 1, processes are forked, which OpenGL survives only if this process has
- * made no canvas before. Errors: EM_INPUT, EM_MEMORY, EM_FILE, EM_PICTURE (ffmpeg or a worker failed;
- * what it said is in err), EM_STOPPED, those of the source. */
+ * not at all. Unless workers is 1, processes are forked, which OpenGL survives only if this process
+ * has made no canvas before. Errors: EM_INPUT, EM_MEMORY, EM_FILE, EM_PICTURE (ffmpeg or a worker
+ * failed; what it said is in err), EM_STOPPED, those of the source. */
 enum em_status em_film_make(const char *path, const struct em_scene *scene,
                             const struct em_film_options *options, em_film_source *source,
                             void *source_self, em_film_progress *progress, void *progress_self,

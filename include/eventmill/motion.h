@@ -1,8 +1,10 @@
-/* Where the balls of a run are at any time, from its frames and, where there is one, its collision table.
+/* Where the balls of a run are at any time, from its frames and, where there is one, its collision
+ * table.
  *
- * With a collision table every path is exact: between two contacts a ball flies freely, and the table
- * holds where each contact was. Without one, a path between two frames is a cubic through both
- * positions with their velocities (shortened, so that it does not overshoot), kept inside the chamber. */
+ * With a collision table every path is exact: between two contacts a ball flies freely, and the
+ * table holds where each contact was. Without one, a path between two frames is a cubic through
+ * both positions with their velocities (shortened, so that it does not overshoot), kept inside the
+ * chamber. */
 #ifndef EVENTMILL_MOTION_H
 #define EVENTMILL_MOTION_H
 
@@ -13,8 +15,9 @@
 
 struct em_motion;
 
-/* Begins with a file that has frames; it must outlive the motion. `memory`: how long (s) contacts are
- * remembered for em_motion_marks. Errors: EM_INPUT (no frames), EM_MEMORY, those of the file. */
+/* Begins with a file that has frames; it must outlive the motion. `memory`: how long (s) contacts
+ * are remembered for em_motion_marks. Errors: EM_INPUT (no frames), EM_MEMORY, those of the file.
+ */
 enum em_status em_motion_new(struct em_motion **motion, const struct em_run_file *file,
                              double memory, struct em_error *err);
 void em_motion_free(struct em_motion *motion);

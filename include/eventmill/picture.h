@@ -13,12 +13,12 @@
 #include "eventmill/start.h"
 
 /* What the balls' colours tell. */
-#define EM_PICTURE_LIST(X)                                                     \
-  X(SPEED, "speed")                                                            \
-  X(SPIN, "spin")                                                              \
-  X(CLASS, "class")     /* of the last contact; needs the collision table */   \
-  X(SPECIES, "species")                                                        \
-  X(PLAIN, "plain")     /* all alike */
+#define EM_PICTURE_LIST(X)                                               \
+  X(SPEED, "speed")                                                      \
+  X(SPIN, "spin")                                                        \
+  X(CLASS, "class") /* of the last contact; needs the collision table */ \
+  X(SPECIES, "species")                                                  \
+  X(PLAIN, "plain") /* all alike */
 #define EM_PICTURE_ENUM(code, text) EM_PICTURE_##code,
 enum em_picture_by { EM_PICTURE_LIST(EM_PICTURE_ENUM) EM_PICTURE_KINDS };
 #undef EM_PICTURE_ENUM
@@ -61,7 +61,8 @@ struct em_picture;
 const char *em_picture_name(enum em_picture_by by);
 int em_picture_find(const char *name); /* -1: no such kind */
 
-/* 1280 × 720, smooth 2, from three quarters, by speed; the scale ends at em_picture_scale (balls may be NULL). */
+/* 1280 × 720, smooth 2, from three quarters, by speed; the scale ends at em_picture_scale (balls
+ * may be NULL). */
 struct em_picture_options em_picture_default(const struct em_scene *scene,
                                              const struct em_balls *balls);
 
@@ -86,11 +87,10 @@ void em_picture_turn(struct em_picture *picture, double azimuth);
 enum em_status em_picture_draw(struct em_picture *picture, const struct em_picture_state *state,
                                uint8_t *rgba, struct em_error *err);
 
-/* Three states as the red, green and blue channel of one picture (Reichardt 2005, 7.1.1): what rests
- * is grey, what moves a coloured triplet. */
-enum em_status em_picture_triple(struct em_picture *picture,
-                                 const struct em_picture_state state[3], uint8_t *rgba,
-                                 struct em_error *err);
+/* Three states as the red, green and blue channel of one picture (Reichardt 2005, 7.1.1): what
+ * rests is grey, what moves a coloured triplet. */
+enum em_status em_picture_triple(struct em_picture *picture, const struct em_picture_state state[3],
+                                 uint8_t *rgba, struct em_error *err);
 
 /* GL_RENDERER: what draws. */
 const char *em_picture_renderer(const struct em_picture *picture);

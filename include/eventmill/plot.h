@@ -58,8 +58,8 @@ struct em_plot {
 };
 
 /* One cell of a map: a rectangle [low, high] of the plane, or, in a polar map, the part of a ring
- * between the radii low[0], high[0] and the angles low[1] < high[1] (rad, from the first axis towards the
- * second). */
+ * between the radii low[0], high[0] and the angles low[1] < high[1] (rad, from the first axis
+ * towards the second). */
 struct em_plot_cell {
   double low[2], high[2];
   double value; /* NaN: left blank */
@@ -72,9 +72,9 @@ struct em_plot_map {
   size_t cell_count;
   const struct em_plot_cell *cell;
   bool polar;
-  bool equal;     /* one metre is as long along x as along y; always so for polar maps */
-  bool log_value; /* values ≤ 0 are left blank */
-  bool diverging; /* blue – white – red about 0, for differences */
+  bool equal;        /* one metre is as long along x as along y; always so for polar maps */
+  bool log_value;    /* values ≤ 0 are left blank */
+  bool diverging;    /* blue – white – red about 0, for differences */
   double low, high;  /* range of colours; both 0: from the data */
   int width, height; /* pixels; 0: 1000 × 900 */
 };

@@ -41,7 +41,8 @@ static struct frame frame_at(double azimuth, double elevation) {
   };
 }
 
-/* Half width and half height, in units of the distance, of the part of the picture that may be used. */
+/* Half width and half height, in units of the distance, of the part of the picture that may be
+ * used. */
 struct window {
   double x, y;
 };

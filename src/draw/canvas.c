@@ -16,11 +16,11 @@ struct em_canvas {
 };
 
 static bool load(struct em_gl *gl) {
-#define LOAD(type, name)                                                       \
-  {                                                                            \
-    const OSMESAproc found = OSMesaGetProcAddress("gl" #name);                 \
-    if (found == NULL) return false;                                           \
-    memcpy(&gl->name, &found, sizeof found);                                   \
+#define LOAD(type, name)                                       \
+  {                                                            \
+    const OSMESAproc found = OSMesaGetProcAddress("gl" #name); \
+    if (found == NULL) return false;                           \
+    memcpy(&gl->name, &found, sizeof found);                   \
   }
   EM_GL_LIST(LOAD)
 #undef LOAD

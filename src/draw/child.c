@@ -1,11 +1,13 @@
-/* Starts a program and feeds it. A socket stands for the pipe, because writing to one whose other end
- * is closed can be told from a signal (MSG_NOSIGNAL) without changing the process's settings. */
+/* Starts a program and feeds it. A socket stands for the pipe, because writing to one whose other
+ * end is closed can be told from a signal (MSG_NOSIGNAL) without changing the process's settings.
+ */
 #include "draw/child.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -24,8 +26,8 @@ static void become(const char *const *argv, int input, int output, int report, i
     execvp(argv[0], (char *const *)(size_t)argv);
   }
   const int code = errno;
-  if (write(fault, &code, sizeof code) < 0) _exit(126);
-  _exit(127);
+  if (write(fault, &code, sizeof code) < 0) _Exit(126);
+  _Exit(127);
 }
 
 enum em_status em_child_start(struct em_child *child, const char *const *argv, int output,
@@ -58,7 +60,8 @@ enum em_status em_child_start(struct em_child *child, const char *const *argv, i
 static void read_report(const struct em_child *child, char *text, size_t size) {
   const ssize_t got = pread(child->report, text, size - 1, 0);
   size_t length = got > 0 ? (size_t)got : 0;
-  while (length > 0 && (text[length - 1] == '\n' || text[length - 1] == ' ')) length--;
+  while (length > 0 && (text[length - 1] == '\n' || text[length - 1] == ' '))
+    length--;
   text[length] = '\0';
 }
 

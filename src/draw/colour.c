@@ -119,7 +119,8 @@ static void walk(const struct station *station, size_t count, struct em_colour_m
     }
     double rgb[3];
     linear_from_lab(before, rgb);
-    for (int k = 0; k < 3; k++) map->rgb[n][k] = encode(rgb[k]);
+    for (int k = 0; k < 3; k++)
+      map->rgb[n][k] = encode(rgb[k]);
   }
 }
 

@@ -58,8 +58,8 @@ static struct view view_of(const struct em_crew *crew, size_t k, size_t *size) {
   char *const base = crew->map != NULL ? crew->map + k * crew->slot_size : NULL;
   size_t at = 0;
   struct view v = {0};
-#define TAKE(field, bytes)                                                     \
-  v.field = base != NULL ? (void *)(base + at) : NULL;                         \
+#define TAKE(field, bytes)                             \
+  v.field = base != NULL ? (void *)(base + at) : NULL; \
   at += aligned(bytes)
   TAKE(slot, sizeof *v.slot);
   TAKE(position, crew->count * sizeof *v.position);
@@ -108,8 +108,8 @@ static void work(struct em_crew *crew, int line) {
   struct em_picture *picture = NULL;
   /* One thread per process: the processes fill the cores. */
   setenv("LP_NUM_THREADS", "0", 1);
-  const enum em_status status = em_picture_new(&picture, crew->scene, &crew->options->picture,
-                                               &error);
+  const enum em_status status =
+      em_picture_new(&picture, crew->scene, &crew->options->picture, &error);
   unsigned char slot;
   while (read(line, &slot, 1) == 1) {
     const struct view v = view_of(crew, slot, NULL);
@@ -121,7 +121,7 @@ static void work(struct em_crew *crew, int line) {
     }
     if (send(line, &slot, 1, MSG_NOSIGNAL) != 1) break;
   }
-  _exit(0);
+  _Exit(0);
 }
 
 static enum em_status start_worker(struct em_crew *crew, int k, struct em_error *err) {
@@ -132,7 +132,8 @@ static enum em_status start_worker(struct em_crew *crew, int k, struct em_error 
   if (pid == 0) {
     signal(SIGINT, SIG_IGN); /* the parent decides when to end */
     close(pair[0]);
-    for (int other = 0; other < k; other++) close(crew->worker[other].line);
+    for (int other = 0; other < k; other++)
+      close(crew->worker[other].line);
     work(crew, pair[1]);
   }
   close(pair[1]);
@@ -167,7 +168,8 @@ enum em_status em_crew_start(struct em_crew **crew, int workers, const struct em
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %d pictures", workers);
   }
   enum em_status status = EM_OK;
-  for (int k = 0; k < workers && status == EM_OK; k++) status = start_worker(made, k, err);
+  for (int k = 0; k < workers && status == EM_OK; k++)
+    status = start_worker(made, k, err);
   if (status != EM_OK) {
     em_crew_end(made);
     return status;
@@ -221,9 +223,11 @@ enum em_status em_crew_take(struct em_crew *crew, size_t k, const uint8_t **rgba
 
 void em_crew_end(struct em_crew *crew) {
   if (crew == NULL) return;
-  for (int k = 0; k < crew->workers; k++) close(crew->worker[k].line);
   for (int k = 0; k < crew->workers; k++)
-    while (waitpid(crew->worker[k].pid, NULL, 0) < 0 && errno == EINTR) continue;
+    close(crew->worker[k].line);
+  for (int k = 0; k < crew->workers; k++)
+    while (waitpid(crew->worker[k].pid, NULL, 0) < 0 && errno == EINTR)
+      continue;
   munmap(crew->map, crew->map_size);
   free(crew);
 }

@@ -1,5 +1,5 @@
-/* Processes that draw pictures side by side. Each is given states through shared memory and leaves its
- * pictures there. */
+/* Processes that draw pictures side by side. Each is given states through shared memory and leaves
+ * its pictures there. */
 #ifndef EM_DRAW_CREW_H
 #define EM_DRAW_CREW_H
 

@@ -31,13 +31,13 @@ static enum em_status make_alone(struct making *m, struct em_error *err) {
   const struct em_film_options *o = m->options;
   struct em_picture *picture = NULL;
   uint8_t *rgba = malloc(4 * (size_t)o->picture.width * (size_t)o->picture.height);
-  enum em_status status = rgba != NULL ? em_picture_new(&picture, m->scene, &o->picture, err)
-                                       : em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a film");
+  enum em_status status = rgba != NULL
+                              ? em_picture_new(&picture, m->scene, &o->picture, err)
+                              : em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a film");
   for (size_t k = 0; k < o->frames && status == EM_OK; k++) {
     struct em_picture_state state;
     status = m->source(m->source_self, k, &state, err);
-    if (o->orbit != 0.0)
-      em_picture_turn(picture, o->picture.camera.azimuth + o->orbit * (double)k);
+    if (o->orbit != 0.0) em_picture_turn(picture, o->picture.camera.azimuth + o->orbit * (double)k);
     if (status == EM_OK) status = em_picture_draw(picture, &state, rgba, err);
     if (status == EM_OK) status = add(m, rgba, k, err);
   }
@@ -51,8 +51,7 @@ static enum em_status make_together(struct making *m, int workers, struct em_err
   struct em_picture_state state;
   struct em_crew *crew = NULL;
   enum em_status status = m->source(m->source_self, 0, &state, err);
-  if (status == EM_OK)
-    status = em_crew_start(&crew, workers, m->scene, m->options, &state, err);
+  if (status == EM_OK) status = em_crew_start(&crew, workers, m->scene, m->options, &state, err);
   const size_t depth = status == EM_OK ? em_crew_depth(crew) : 0;
   for (size_t k = 0; k < frames + depth && status == EM_OK; k++) {
     const uint8_t *rgba;
@@ -100,8 +99,8 @@ enum em_status em_film_make(const char *path, const struct em_scene *scene,
   status = em_movie_begin(&m.movie, path, even.picture.width, even.picture.height, even.fps,
                           even.quality > 0 ? even.quality : 20, err);
   if (status != EM_OK) return status;
-  status = workers == 1 && options->workers == 1 ? make_alone(&m, err)
-                                                 : make_together(&m, workers, err);
+  status =
+      workers == 1 && options->workers == 1 ? make_alone(&m, err) : make_together(&m, workers, err);
   struct em_error last = {0};
   const enum em_status ended = em_movie_end(&m.movie, status == EM_OK, &last);
   if (status == EM_OK && ended != EM_OK && err != NULL) *err = last;

@@ -48,8 +48,7 @@ static void write_style(FILE *out) {
 enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int width, int height,
                                 struct em_error *err) {
   script->out = open_memstream(&script->text, &script->size);
-  if (script->out == NULL)
-    return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
+  if (script->out == NULL) return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
   if (!write_terminal(script->out, path, width, height)) {
     fclose(script->out);
     free(script->text);

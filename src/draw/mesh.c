@@ -77,9 +77,9 @@ void em_mesh_bar(struct em_mesh *mesh, const struct em_mesh_axis *axis, double r
                  double h1) {
   const double edge = fmin(0.08 * r, 0.25 * (h1 - h0));
   const struct em_mesh_profile p[] = {
-      {0.0, h0, 0, -1},      {r - edge, h0, 0, -1}, {r - edge, h0, 1, -1}, {r, h0 + edge, 1, -1},
-      {r, h0 + edge, 1, 0},  {r, h1 - edge, 1, 0},  {r, h1 - edge, 1, 1},  {r - edge, h1, 1, 1},
-      {r - edge, h1, 0, 1},  {0.0, h1, 0, 1},
+      {0.0, h0, 0, -1},     {r - edge, h0, 0, -1}, {r - edge, h0, 1, -1}, {r, h0 + edge, 1, -1},
+      {r, h0 + edge, 1, 0}, {r, h1 - edge, 1, 0},  {r, h1 - edge, 1, 1},  {r - edge, h1, 1, 1},
+      {r - edge, h1, 0, 1}, {0.0, h1, 0, 1},
   };
   for (size_t k = 0; k < sizeof p / sizeof *p; k += 2)
     em_mesh_revolve(mesh, axis, p[k], p[k + 1], ROUND / 2);
@@ -106,12 +106,10 @@ void em_mesh_ring(struct em_mesh *mesh, const struct em_mesh_axis *axis, double 
                   double h0, double h1) {
   const double edge = 0.15 * fmin(outer - inner, h1 - h0);
   const struct em_mesh_profile p[] = {
-      {inner, h0, -1, 0},        {inner, h1, -1, 0},
-      {inner, h0, 0, -1},        {outer - edge, h0, 0, -1},
-      {outer - edge, h0, 1, -1}, {outer, h0 + edge, 1, -1},
-      {outer, h0 + edge, 1, 0},  {outer, h1 - edge, 1, 0},
-      {outer, h1 - edge, 1, 1},  {outer - edge, h1, 1, 1},
-      {outer - edge, h1, 0, 1},  {inner, h1, 0, 1},
+      {inner, h0, -1, 0},        {inner, h1, -1, 0},        {inner, h0, 0, -1},
+      {outer - edge, h0, 0, -1}, {outer - edge, h0, 1, -1}, {outer, h0 + edge, 1, -1},
+      {outer, h0 + edge, 1, 0},  {outer, h1 - edge, 1, 0},  {outer, h1 - edge, 1, 1},
+      {outer - edge, h1, 1, 1},  {outer - edge, h1, 0, 1},  {inner, h1, 0, 1},
   };
   for (size_t k = 0; k < sizeof p / sizeof *p; k += 2)
     em_mesh_revolve(mesh, axis, p[k], p[k + 1], ROUND);

@@ -23,17 +23,17 @@ struct em_motion {
   const struct em_run_file *file;
   const struct em_scene *scene;
   double memory, time;
-  size_t frames, interval;       /* the interval begins with this frame; frames: none yet */
-  double begin, end;             /* s, of the interval */
-  struct em_balls *from, *to;    /* its two frames */
-  struct em_balls *balls;        /* at `time` */
-  double *blade;                 /* rad */
-  uint8_t *before, *cls;         /* last contacts at the interval's begin; at `time` */
-  struct em_rows *rows;          /* NULL: no table */
-  double hint_time;              /* s: the rows before hint_row are earlier */
+  size_t frames, interval;    /* the interval begins with this frame; frames: none yet */
+  double begin, end;          /* s, of the interval */
+  struct em_balls *from, *to; /* its two frames */
+  struct em_balls *balls;     /* at `time` */
+  double *blade;              /* rad */
+  uint8_t *before, *cls;      /* last contacts at the interval's begin; at `time` */
+  struct em_rows *rows;       /* NULL: no table */
+  double hint_time;           /* s: the rows before hint_row are earlier */
   uint64_t hint_row;
   size_t knot_count, knot_room;
-  size_t *first;                 /* balls + 1: the knots of ball k are first[k] … first[k + 1] - 1 */
+  size_t *first; /* balls + 1: the knots of ball k are first[k] … first[k + 1] - 1 */
   struct knot *knot;
   size_t mark_count, mark_room;
   struct mark *mark;
@@ -67,9 +67,8 @@ enum em_status em_motion_new(struct em_motion **motion, const struct em_run_file
   if (em_run_file_has_rows(file))
     m->rows = em_run_file_rows_new(EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_BALL |
                                    EM_COLUMN_PARTNER | EM_COLUMN_PLACE | EM_COLUMN_NORMAL);
-  if (status == EM_OK &&
-      (m->blade == NULL || m->before == NULL || m->cls == NULL || m->first == NULL ||
-       (em_run_file_has_rows(file) && m->rows == NULL)))
+  if (status == EM_OK && (m->blade == NULL || m->before == NULL || m->cls == NULL ||
+                          m->first == NULL || (em_run_file_has_rows(file) && m->rows == NULL)))
     status = no_memory(err);
   if (status == EM_OK) {
     memset(m->before, EM_CLASS_COUNT, count);
@@ -130,7 +129,8 @@ static enum em_status find_row(struct em_motion *m, double time, uint64_t *row,
   if (!near) status = em_run_file_rows(m->file, low, m->rows, err);
   if (status != EM_OK) return status;
   *row = low;
-  for (size_t k = 0; k < m->rows->count && m->rows->time[k] < time; k++) ++*row;
+  for (size_t k = 0; k < m->rows->count && m->rows->time[k] < time; k++)
+    ++*row;
   m->hint_row = *row;
   m->hint_time = time;
   return EM_OK;
@@ -176,7 +176,8 @@ static bool add_mark(struct em_motion *m, const struct mark *mark) {
 static bool take_row(struct gather *g, size_t k) {
   struct em_motion *m = g->motion;
   const struct em_rows *r = m->rows;
-  const struct em_vec place = {(double)r->place[k][0], (double)r->place[k][1], (double)r->place[k][2]};
+  const struct em_vec place = {(double)r->place[k][0], (double)r->place[k][1],
+                               (double)r->place[k][2]};
   const struct em_vec normal = {(double)r->normal[k][0], (double)r->normal[k][1],
                                 (double)r->normal[k][2]};
   const uint32_t i = r->ball[k], j = r->partner[k];
@@ -218,8 +219,10 @@ static bool sort_knots(struct em_motion *m, const struct gather *g) {
     m->knot_room = g->count;
   }
   memset(m->first, 0, (count + 2) * sizeof *m->first);
-  for (size_t k = 0; k < g->count; k++) m->first[g->pending[k].ball + 2]++;
-  for (size_t b = 2; b < count + 2; b++) m->first[b] += m->first[b - 1];
+  for (size_t k = 0; k < g->count; k++)
+    m->first[g->pending[k].ball + 2]++;
+  for (size_t b = 2; b < count + 2; b++)
+    m->first[b] += m->first[b - 1];
   for (size_t k = 0; k < g->count; k++)
     m->knot[m->first[g->pending[k].ball + 1]++] = g->pending[k].knot;
   m->knot_count = g->count;

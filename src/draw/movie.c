@@ -33,13 +33,46 @@ enum em_status em_movie_begin(struct em_movie *movie, const char *path, int widt
     snprintf(size, sizeof size, "%dx%d", width, height);
     snprintf(rate, sizeof rate, "%.6g", fps);
     snprintf(crf, sizeof crf, "%d", quality);
-    const char *const command[] = {
-        "ffmpeg", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba",
-        "-s", size, "-r", rate, "-i", "pipe:0", "-an", "-vf",
-        "scale=out_color_matrix=bt709:out_range=tv", "-c:v", "libx264", "-preset", "veryfast",
-        "-crf", crf, "-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709",
-        "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart", "-f", "mp4",
-        output, NULL};
+    const char *const command[] = {"ffmpeg",
+                                   "-nostdin",
+                                   "-loglevel",
+                                   "error",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pix_fmt",
+                                   "rgba",
+                                   "-s",
+                                   size,
+                                   "-r",
+                                   rate,
+                                   "-i",
+                                   "pipe:0",
+                                   "-an",
+                                   "-vf",
+                                   "scale=out_color_matrix=bt709:out_range=tv",
+                                   "-c:v",
+                                   "libx264",
+                                   "-preset",
+                                   "veryfast",
+                                   "-crf",
+                                   crf,
+                                   "-pix_fmt",
+                                   "yuv420p",
+                                   "-colorspace",
+                                   "bt709",
+                                   "-color_primaries",
+                                   "bt709",
+                                   "-color_trc",
+                                   "bt709",
+                                   "-color_range",
+                                   "tv",
+                                   "-movflags",
+                                   "+faststart",
+                                   "-f",
+                                   "mp4",
+                                   output,
+                                   NULL};
     status = em_child_start(&movie->child, command, -1, err);
     if (status != EM_OK) unlink(movie->temporary);
   }
@@ -61,8 +94,7 @@ enum em_status em_movie_end(struct em_movie *movie, bool keep, struct em_error *
   if (keep) status = em_child_finish(&movie->child, err);
   if (!keep || status != EM_OK) em_child_abandon(&movie->child);
   if (keep && status == EM_OK && rename(movie->temporary, movie->path) != 0)
-    status =
-        em_error_set(err, EM_FILE, movie->path, 0, "cannot be written: %s", strerror(errno));
+    status = em_error_set(err, EM_FILE, movie->path, 0, "cannot be written: %s", strerror(errno));
   if (!keep || status != EM_OK) unlink(movie->temporary);
   free(movie->path);
   free(movie->temporary);

@@ -22,7 +22,8 @@ static struct grid grid_of(const struct em_sphere *sphere, size_t count) {
       high[a] = fmaxf(high[a], sphere[k].place[a]);
     }
   }
-  for (int a = 0; a < 3; a++) g.cell = fmaxf(g.cell, (high[a] - g.low[a]) / MOST_PER_SIDE);
+  for (int a = 0; a < 3; a++)
+    g.cell = fmaxf(g.cell, (high[a] - g.low[a]) / MOST_PER_SIDE);
   for (int a = 0; a < 3 && g.cell > 0.0F; a++)
     g.size[a] = 1 + (int)((high[a] - g.low[a]) / g.cell);
   return g;
@@ -58,7 +59,8 @@ static int make_room(struct em_occlusion *space, size_t cells, size_t spheres) {
 static void sort(struct em_occlusion *space, const struct grid *g, size_t cells,
                  const struct em_sphere *sphere, size_t count) {
   memset(space->first, 0, (cells + 1) * sizeof *space->first);
-  for (size_t k = 0; k < count; k++) space->first[cell_of(g, sphere[k].place)]++;
+  for (size_t k = 0; k < count; k++)
+    space->first[cell_of(g, sphere[k].place)]++;
   unsigned sum = 0;
   for (size_t c = 0; c <= cells; c++) {
     sum += space->first[c];
@@ -77,7 +79,8 @@ static void add(struct em_sphere *to, const struct em_sphere *from, float reach2
   if (d2 >= reach2 || d2 <= 0.0F) return;
   const float share = from->radius * from->radius / d2;
   const float directed = 0.5F * share / sqrtf(d2);
-  for (int a = 0; a < 3; a++) to->occlusion[a] += directed * d[a];
+  for (int a = 0; a < 3; a++)
+    to->occlusion[a] += directed * d[a];
   to->occlusion[3] += 0.25F * share;
 }
 
@@ -106,7 +109,8 @@ int em_occlusion_fill(struct em_occlusion *space, struct em_sphere *sphere, size
   const size_t cells = (size_t)g.size[0] * (size_t)g.size[1] * (size_t)g.size[2];
   if (!make_room(space, cells, count)) return 0;
   sort(space, &g, cells, sphere, count);
-  for (size_t k = 0; k < count; k++) add_neighbours(&sphere[k], sphere, space, &g);
+  for (size_t k = 0; k < count; k++)
+    add_neighbours(&sphere[k], sphere, space, &g);
   return 1;
 }
 

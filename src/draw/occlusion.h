@@ -6,9 +6,9 @@
 
 /* A sphere as the drawing knows it. On input occlusion is free; see em_occlusion_fill. */
 struct em_sphere {
-  float place[3], radius;  /* m */
-  float occlusion[4];      /* vector and constant of the linear law: a point with normal n loses
-                              max(0, o[3] + n·(o[0], o[1], o[2])) */
+  float place[3], radius; /* m */
+  float occlusion[4];     /* vector and constant of the linear law: a point with normal n loses
+                             max(0, o[3] + n·(o[0], o[1], o[2])) */
   unsigned char rgba[4];
 };
 

@@ -1,4 +1,5 @@
-/* Draws ground and legend. Lengths are given for a picture of 1280 × 720 and scaled with its size. */
+/* Draws ground and legend. Lengths are given for a picture of 1280 × 720 and scaled with its size.
+ */
 #include "draw/overlay.h"
 
 #include <math.h>
@@ -189,7 +190,8 @@ static void draw_histogram(const struct paper *p, const struct em_colour_map *ma
   const struct bar b = bar_of(p);
   const double step = b.h / EM_OVERLAY_BINS, longest = 84.0;
   unsigned most = 1;
-  for (int k = 0; k < EM_OVERLAY_BINS; k++) most = bin[k] > most ? bin[k] : most;
+  for (int k = 0; k < EM_OVERLAY_BINS; k++)
+    most = bin[k] > most ? bin[k] : most;
   for (int k = 0; k < EM_OVERLAY_BINS; k++) {
     const double w = longest * bin[k] / most;
     set_colour(p, em_colour_at(map, k + 0.5, 0.0, EM_OVERLAY_BINS));

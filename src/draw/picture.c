@@ -55,7 +55,8 @@ static int ascending(const void *a, const void *b) {
 static double percentile_99(const struct em_vec *v, size_t count) {
   double *length = count > 0 ? malloc(count * sizeof *length) : NULL;
   if (length == NULL) return 0.0;
-  for (size_t k = 0; k < count; k++) length[k] = em_vec_norm(v[k]);
+  for (size_t k = 0; k < count; k++)
+    length[k] = em_vec_norm(v[k]);
   qsort(length, count, sizeof *length, ascending);
   const double result = length[(size_t)(0.99 * (double)(count - 1))];
   free(length);
@@ -98,8 +99,8 @@ static void aim(struct em_picture *p) {
   const size_t count = em_solids_outline(p->scene, outline);
   em_scene_bounds(p->scene, &low, &high);
   em_overlay_margins(&p->options, &p->options.camera);
-  em_camera_aim(&p->options.camera, low, high, outline, count, p->options.width,
-                p->options.height, &p->aim);
+  em_camera_aim(&p->options.camera, low, high, outline, count, p->options.width, p->options.height,
+                &p->aim);
 }
 
 void em_picture_turn(struct em_picture *picture, double azimuth) {
@@ -142,14 +143,16 @@ enum em_status em_picture_new(struct em_picture **picture, const struct em_scene
   *picture = NULL;
   if (options->smooth < 1 || options->smooth > 4 || options->width < 1 || options->height < 1 ||
       options->width > EM_CANVAS_LARGEST / 4 || options->height > EM_CANVAS_LARGEST / 4)
-    return em_error_set(err, EM_INPUT, NULL, 0,
-                        "a picture of %d x %d pixels, %d samples each way: 1 to %d pixels and 1 to 4 "
-                        "samples are possible",
-                        options->width, options->height, options->smooth, EM_CANVAS_LARGEST / 4);
+    return em_error_set(
+        err, EM_INPUT, NULL, 0,
+        "a picture of %d x %d pixels, %d samples each way: 1 to %d pixels and 1 to 4 "
+        "samples are possible",
+        options->width, options->height, options->smooth, EM_CANVAS_LARGEST / 4);
   const bool scaled = options->by == EM_PICTURE_SPEED || options->by == EM_PICTURE_SPIN;
   if (scaled && !(options->high > options->low && isfinite(options->high - options->low)))
-    return em_error_set(err, EM_INPUT, NULL, 0, "the scale of colours goes from %g to %g; it must rise",
-                        options->low, options->high);
+    return em_error_set(err, EM_INPUT, NULL, 0,
+                        "the scale of colours goes from %g to %g; it must rise", options->low,
+                        options->high);
   struct em_picture *made = calloc(1, sizeof *made);
   if (made == NULL) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a picture");
   made->scene = scene;
@@ -275,13 +278,15 @@ static const struct em_sphere *sort_by_distance(struct em_picture *p, size_t cou
   for (size_t k = 0; k < count; k++) {
     const float *c = p->sphere[k].place;
     float eye[3];
-    for (int a = 0; a < 3; a++) eye[a] = m[a] * c[0] + m[4 + a] * c[1] + m[8 + a] * c[2] + m[12 + a];
+    for (int a = 0; a < 3; a++)
+      eye[a] = m[a] * c[0] + m[4 + a] * c[1] + m[8 + a] * c[2] + m[12 + a];
     const float d2 = eye[0] * eye[0] + eye[1] * eye[1] + eye[2] * eye[2];
     p->order[k] = (struct order){p->aim.parallel ? -eye[2] : d2, (unsigned)k};
   }
   qsort(p->order, count, sizeof *p->order, farthest_first);
   struct em_sphere *sorted = p->sphere + p->sphere_room;
-  for (size_t k = 0; k < count; k++) sorted[k] = p->sphere[p->order[k].index];
+  for (size_t k = 0; k < count; k++)
+    sorted[k] = p->sphere[p->order[k].index];
   return sorted;
 }
 
@@ -315,9 +320,11 @@ static void shrink(const uint8_t *from, uint8_t *to, int width, int height, int 
       for (int j = 0; j < factor; j++) {
         const uint8_t *s = from + (size_t)(y * factor + j) * row + 4 * (size_t)(x * factor);
         for (int i = 0; i < factor; i++, s += 4)
-          for (int c = 0; c < 4; c++) sum[c] += s[c];
+          for (int c = 0; c < 4; c++)
+            sum[c] += s[c];
       }
-      for (int c = 0; c < 4; c++) to[c] = (uint8_t)((sum[c] + area / 2) / area);
+      for (int c = 0; c < 4; c++)
+        to[c] = (uint8_t)((sum[c] + area / 2) / area);
     }
 }
 
@@ -371,11 +378,9 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
   return EM_OK;
 }
 
-enum em_status em_picture_triple(struct em_picture *picture,
-                                 const struct em_picture_state state[3], uint8_t *rgba,
-                                 struct em_error *err) {
-  const size_t pixels =
-      (size_t)picture->options.width * (size_t)picture->options.height;
+enum em_status em_picture_triple(struct em_picture *picture, const struct em_picture_state state[3],
+                                 uint8_t *rgba, struct em_error *err) {
+  const size_t pixels = (size_t)picture->options.width * (size_t)picture->options.height;
   uint8_t *one = malloc(4 * pixels);
   if (one == NULL) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for three pictures");
   enum em_status status = EM_OK;

@@ -85,7 +85,8 @@ static void write_marks(struct em_gnuplot *g, const struct em_plot *plot) {
 
 static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   bool second = false;
-  for (size_t k = 0; k < plot->series_count; k++) second |= plot->series[k].second_axis;
+  for (size_t k = 0; k < plot->series_count; k++)
+    second |= plot->series[k].second_axis;
   em_gnuplot_title(g, plot->title, plot->subtitle);
   fprintf(g->out, "set tmargin at screen %.3f\nset rmargin %d\n",
           plot->title == NULL && plot->subtitle == NULL ? 0.97 : 0.865, second ? 10 : 4);
@@ -164,7 +165,8 @@ enum em_status em_plot_draw(const struct em_plot *plot, const char *path, struct
                                                  plot->height > 0 ? plot->height : 750, err);
   if (status != EM_OK) return status;
   const double ground = floor_of(plot);
-  for (size_t k = 0; k < plot->series_count; k++) write_data(g.out, plot, k, ground);
+  for (size_t k = 0; k < plot->series_count; k++)
+    write_data(g.out, plot, k, ground);
   write_frame(&g, plot);
   fprintf(g.out, "set boxwidth 0.6 absolute\nplot ");
   for (size_t k = 0; k < plot->series_count; k++) {

@@ -15,9 +15,9 @@ struct em_show {
   const struct em_run_file *file;
   struct em_show_options options;
   struct em_motion *motion;
-  double trailed;       /* s: trails are known up to here */
-  size_t points;        /* per ball, in a ring */
-  struct point *trail;  /* trail_count × TRAIL_POINTS */
+  double trailed;      /* s: trails are known up to here */
+  size_t points;       /* per ball, in a ring */
+  struct point *trail; /* trail_count × TRAIL_POINTS */
   struct em_picture_bead *bead;
 };
 
@@ -114,8 +114,8 @@ static size_t string_beads(const struct em_show *show, double time, const struct
       const struct point *p = &show->trail[k * TRAIL_POINTS + j];
       const double age = (time - p->time) / show->options.trail_time;
       if (age < 0.0 || age > 1.0) continue;
-      show->bead[count++] = (struct em_picture_bead){
-          p->place, radius * (0.42 - 0.34 * age), {c[0], c[1], c[2]}};
+      show->bead[count++] =
+          (struct em_picture_bead){p->place, radius * (0.42 - 0.34 * age), {c[0], c[1], c[2]}};
     }
   }
   return count;
@@ -129,8 +129,8 @@ enum em_status em_show_at(struct em_show *show, double time, struct em_picture_s
   const struct em_balls *balls = em_motion_balls(show->motion);
   size_t beads = string_beads(show, time, balls);
   if (show->options.mark_time > 0.0)
-    beads += em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS,
-                             1.15 * balls->radius[0]);
+    beads +=
+        em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS, 1.15 * balls->radius[0]);
   *state = (struct em_picture_state){
       .balls = balls,
       .time = fmin(fmax(time, em_show_first(show)), em_show_last(show)),

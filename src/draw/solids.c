@@ -26,38 +26,36 @@ static const float colour_of[][3] = {
     [GLASS] = {0.45F, 0.55F, 0.64F},
 };
 
-static const char vertex[] =
-    "layout(location = 0) in vec3 place;\n"
-    "layout(location = 1) in vec3 normal;\n"
-    "uniform mat4 model, view, projection;\n"
-    "out vec3 at, n;\n"
-    "void main() {\n"
-    "  mat4 all = view * model;\n"
-    "  vec4 p = all * vec4(place, 1.0);\n"
-    "  at = p.xyz;\n"
-    "  n = mat3(all) * normal;\n"
-    "  gl_Position = projection * p;\n"
-    "}\n";
+static const char vertex[] = "layout(location = 0) in vec3 place;\n"
+                             "layout(location = 1) in vec3 normal;\n"
+                             "uniform mat4 model, view, projection;\n"
+                             "out vec3 at, n;\n"
+                             "void main() {\n"
+                             "  mat4 all = view * model;\n"
+                             "  vec4 p = all * vec4(place, 1.0);\n"
+                             "  at = p.xyz;\n"
+                             "  n = mat3(all) * normal;\n"
+                             "  gl_Position = projection * p;\n"
+                             "}\n";
 
-static const char fragment[] =
-    "in vec3 at, n;\n"
-    "uniform vec3 base;\n"
-    "uniform int glass, parallel;\n"
-    "out vec4 colour;\n"
-    "void main() {\n"
-    "  vec3 v = parallel != 0 ? vec3(0, 0, 1) : normalize(-at);\n"
-    "  vec3 m = normalize(n);\n"
-    "  if (dot(m, v) < 0.0) m = -m;\n"
-    "  if (glass == 0) {\n"
-    "    colour = vec4(sqrt(lit(base * base, m, v, 1.0, 0.35)), 1.0);\n"
-    "  } else {\n"
-    "    float edge = 1.0 - dot(m, v);\n"
-    "    float alpha = 0.035 + 0.42 * edge * edge * edge;\n"
-    "    float s = max(dot(m, normalize(KEY + v)), 0.0);\n"
-    "    s *= s; s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;\n"
-    "    colour = vec4(base * alpha, alpha) + vec4(0.12 * s);\n"
-    "  }\n"
-    "}\n";
+static const char fragment[] = "in vec3 at, n;\n"
+                               "uniform vec3 base;\n"
+                               "uniform int glass, parallel;\n"
+                               "out vec4 colour;\n"
+                               "void main() {\n"
+                               "  vec3 v = parallel != 0 ? vec3(0, 0, 1) : normalize(-at);\n"
+                               "  vec3 m = normalize(n);\n"
+                               "  if (dot(m, v) < 0.0) m = -m;\n"
+                               "  if (glass == 0) {\n"
+                               "    colour = vec4(sqrt(lit(base * base, m, v, 1.0, 0.35)), 1.0);\n"
+                               "  } else {\n"
+                               "    float edge = 1.0 - dot(m, v);\n"
+                               "    float alpha = 0.035 + 0.42 * edge * edge * edge;\n"
+                               "    float s = max(dot(m, normalize(KEY + v)), 0.0);\n"
+                               "    s *= s; s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;\n"
+                               "    colour = vec4(base * alpha, alpha) + vec4(0.07 * s);\n"
+                               "  }\n"
+                               "}\n";
 
 struct builder {
   struct em_solids *solids;
@@ -293,7 +291,8 @@ size_t em_solids_outline(const struct em_scene *scene, struct em_vec point[EM_SO
   em_scene_bounds(scene, &low, &high);
   if (scene->chamber.shape != EM_SHAPE_DRUM) {
     for (int k = 0; k < 8; k++)
-      point[k] = em_vec_make(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
+      point[k] =
+          em_vec_make(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
     return 8;
   }
   const double r = 1.045 * 0.5 * scene->chamber.diameter, thick = ring_thickness(scene);

@@ -1,8 +1,9 @@
-/* Ray-cast spheres. Seen from the eye, a sphere (centre c, radius r) is bounded by its tangent cone,
- * which touches it in a circle: centre c (1 − r²/c²), radius r √(1 − r²/c²). The square around that
- * circle covers the silhouette and nothing else needs rays. Rays start at the square, so that the
- * quadratic works with lengths of the size of r and loses no digits. A pixel that the silhouette cuts
- * is covered in part and lets through what is behind: spheres have to come farthest first. */
+/* Ray-cast spheres. Seen from the eye, a sphere (centre c, radius r) is bounded by its tangent
+ * cone, which touches it in a circle: centre c (1 − r²/c²), radius r √(1 − r²/c²). The square
+ * around that circle covers the silhouette and nothing else needs rays. Rays start at the square,
+ * so that the quadratic works with lengths of the size of r and loses no digits. A pixel that the
+ * silhouette cuts is covered in part and lets through what is behind: spheres have to come farthest
+ * first. */
 #include "draw/spheres.h"
 
 #include <stddef.h>

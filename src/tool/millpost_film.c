@@ -8,8 +8,8 @@
 #include "eventmill/film.h"
 #include "eventmill/run_file.h"
 #include "eventmill/show.h"
-#include "tool/millpost_look.h"
 #include "tool/millpost.h"
+#include "tool/millpost_look.h"
 #include "tool/progress.h"
 
 static volatile sig_atomic_t stop;
@@ -85,8 +85,7 @@ static enum em_status set_up(struct em_film_options *options, struct reel *reel,
   options->picture = em_millpost_look_picture(look, em_run_file_scene(run), state.balls);
   options->picture.smooth = 1;
   options->picture.camera.orbits = look->orbit != 0.0;
-  write_note(options->picture.note, sizeof options->picture.note,
-             1.0 / (reel->step * look->fps));
+  write_note(options->picture.note, sizeof options->picture.note, 1.0 / (reel->step * look->fps));
   options->frames = (size_t)frames;
   options->fps = look->fps;
   options->orbit = look->orbit / look->fps * M_PI / 180.0;
@@ -105,8 +104,8 @@ static enum em_status make(const struct em_millpost_look *look, const struct em_
   sigaction(SIGINT, &action, &old);
   reel->progress = em_progress_new(look->quiet);
   clock_gettime(CLOCK_MONOTONIC, &reel->begin);
-  const enum em_status status = em_film_make(out, em_run_file_scene(run), &options, state_at, reel,
-                                             show_progress, reel, err);
+  const enum em_status status =
+      em_film_make(out, em_run_file_scene(run), &options, state_at, reel, show_progress, reel, err);
   em_progress_end(reel->progress);
   sigaction(SIGINT, &old, NULL);
   const double wall = seconds_since(&reel->begin);

@@ -6,8 +6,8 @@
 #include "eventmill/picture.h"
 #include "eventmill/run_file.h"
 #include "eventmill/show.h"
-#include "tool/millpost_look.h"
 #include "tool/millpost.h"
+#include "tool/millpost_look.h"
 
 /* A state of its own, that outlives the show's next one. */
 struct moment {
@@ -29,7 +29,8 @@ static bool copy_moment(struct moment *m, const struct em_picture_state *state, 
     m->balls->radius[k] = from->radius[k];
     m->balls->species[k] = from->species[k];
   }
-  for (size_t k = 0; k < blades; k++) m->blade[k] = state->blade_angle[k];
+  for (size_t k = 0; k < blades; k++)
+    m->blade[k] = state->blade_angle[k];
   m->state.balls = m->balls;
   m->state.blade_angle = m->blade;
   m->state.last = NULL;
@@ -39,8 +40,7 @@ static bool copy_moment(struct moment *m, const struct em_picture_state *state, 
 
 /* Three moments as the channels of one picture. */
 static enum em_status draw_triple(struct em_picture *picture, struct em_show *show, double at,
-                                  double step, size_t blades, uint8_t *rgba,
-                                  struct em_error *err) {
+                                  double step, size_t blades, uint8_t *rgba, struct em_error *err) {
   struct moment moment[3] = {0};
   struct em_picture_state three[3];
   enum em_status status = EM_OK;

@@ -31,8 +31,9 @@ static const struct entry entries[] = {
     {"from", "T", "begin at T seconds; default: the first frame", NUMBER, AT(from), EM_LOOK_FILM},
     {"to", "T", "end at T seconds; default: the last frame", NUMBER, AT(to), EM_LOOK_FILM},
     {"fps", "N", "frames per second of film; default: 25", POSITIVE, AT(fps), EM_LOOK_FILM},
-    {"slow", "X", "slow motion: X seconds of film for one of the mill; default: every stored\n"
-                  "                     frame once, or 1 ms per frame with a collision table",
+    {"slow", "X",
+     "slow motion: X seconds of film for one of the mill; default: every stored\n"
+     "                     frame once, or 1 ms per frame with a collision table",
      POSITIVE, AT(slow), EM_LOOK_FILM},
     {"orbit", "DEG", "the camera goes round, DEG degrees per second of film", NUMBER, AT(orbit),
      EM_LOOK_FILM},
@@ -44,8 +45,9 @@ static const struct entry entries[] = {
     {"zoom", "X", "closer: 2 shows everything twice as large", POSITIVE, AT(zoom), BOTH},
     {"parallel", NULL, "without perspective", FLAG, AT(parallel), BOTH},
     {"size", "WxH", "pixels; default: 1280x720", SIZE, AT(width), BOTH},
-    {"colour", "WHAT", "what colours tell: speed, spin, class (of the last contact; needs a\n"
-                       "                     collision table), species or plain; default: speed",
+    {"colour", "WHAT",
+     "what colours tell: speed, spin, class (of the last contact; needs a\n"
+     "                     collision table), species or plain; default: speed",
      BY, AT(by), BOTH},
     {"map", "NAME", "lagoon, ember, grey or balance; default: lagoon", MAP, AT(map), BOTH},
     {"scale", "LOW:HIGH", "ends of the colour scale; default: 0 to 110 % of the tip speed", RANGE,
@@ -222,9 +224,8 @@ static void list_options(struct option *list, enum em_millpost_kind kind) {
   int count = 0;
   for (int k = 0; k < ENTRIES; k++)
     if (entries[k].kinds & (unsigned)kind)
-      list[count++] = (struct option){entries[k].name,
-                                      entries[k].argument ? required_argument : no_argument, NULL,
-                                      1000 + k};
+      list[count++] = (struct option){
+          entries[k].name, entries[k].argument ? required_argument : no_argument, NULL, 1000 + k};
   list[count++] = (struct option){"color", required_argument, NULL, 'c'};
   list[count++] = (struct option){"help", no_argument, NULL, 'h'};
   list[count] = (struct option){NULL, 0, NULL, 0};
@@ -236,24 +237,25 @@ static const struct entry *entry_named(const char *name) {
   return NULL;
 }
 
-int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind kind, int argc, char **argv) {
+int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind kind, int argc,
+                          char **argv) {
   const char *command = command_name(kind);
   struct option list[ENTRIES + 3];
   list_options(list, kind);
   *look = (struct em_millpost_look){.view = -1,
-                           .by = -1,
-                           .map = -1,
-                           .turn = NAN,
-                           .tilt = NAN,
-                           .low = NAN,
-                           .high = NAN,
-                           .at = NAN,
-                           .triple = NAN,
-                           .from = NAN,
-                           .to = NAN,
-                           .fps = 25.0,
-                           .slow = NAN,
-                           .show = {.trail_time = 0.05}};
+                                    .by = -1,
+                                    .map = -1,
+                                    .turn = NAN,
+                                    .tilt = NAN,
+                                    .low = NAN,
+                                    .high = NAN,
+                                    .at = NAN,
+                                    .triple = NAN,
+                                    .from = NAN,
+                                    .to = NAN,
+                                    .fps = 25.0,
+                                    .slow = NAN,
+                                    .show = {.trail_time = 0.05}};
   opterr = 0;
   optind = 0; /* glibc: start afresh */
   for (int c; (c = getopt_long(argc, argv, ":ho:", list, NULL)) != -1;) {
@@ -271,8 +273,8 @@ int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind k
     if (code >= 0) return code;
   }
   if (optind == argc) return em_millpost_usage(command, "expected RUN, a run file");
-  if (optind + 1 < argc) return em_millpost_usage(command, "unexpected argument '%s'",
-                                                  argv[optind + 1]);
+  if (optind + 1 < argc)
+    return em_millpost_usage(command, "unexpected argument '%s'", argv[optind + 1]);
   look->run = argv[optind];
   return -1;
 }

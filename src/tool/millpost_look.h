@@ -12,17 +12,17 @@ struct em_millpost_look {
   const char *run, *out;
   bool quiet;
   int width, height;
-  int view;                  /* enum em_camera_view, or -1 */
-  double turn, tilt;         /* degrees; NAN: as the view has it */
+  int view;          /* enum em_camera_view, or -1 */
+  double turn, tilt; /* degrees; NAN: as the view has it */
   double zoom;
   bool parallel, dark;
-  int by, map;               /* -1: not said */
-  double low, high;          /* ends of the scale; NAN */
+  int by, map;      /* -1: not said */
+  double low, high; /* ends of the scale; NAN */
   double show_low, show_high;
   double balls;
   bool hide_rotor, hide_drum, hide_balls, hide_legend, hide_histogram;
   struct em_show_options show;
-  double at, triple;         /* frame; NAN */
+  double at, triple;                                   /* frame; NAN */
   double from, to, fps, slow, orbit, workers, quality; /* film; NAN */
 };
 
@@ -30,7 +30,8 @@ struct em_millpost_look {
 enum em_millpost_kind { EM_LOOK_FRAME = 1, EM_LOOK_FILM = 2 };
 
 /* Reads a command line. Returns -1 to go on, or the exit code (help was printed, or a message). */
-int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind kind, int argc, char **argv);
+int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind kind, int argc,
+                          char **argv);
 
 /* The picture's options for a run, of which `balls` is a state. */
 struct em_picture_options em_millpost_look_picture(const struct em_millpost_look *look,

@@ -11,12 +11,12 @@
 #include "eventmill/scene.h"
 #include "eventmill/start.h"
 
-#define DRAW_MILL                                                                                  \
-  "title = \"small mill\"; duration = 0.06; seed = 3; gravity = [0.0, 0.0, -9.81];\n"              \
-  "chamber = { shape = \"drum\"; diameter = 0.06; length = 0.05; };\n"                             \
-  "rotor = { rpm = 2000.0; radius = 0.003; reach = 0.02; blades = ( { y = 0.017; },\n"             \
-  "  { y = 0.034; angle_deg = 90.0; tip = \"hemisphere\"; } ); };\n"                               \
-  "balls = { count = 150; diameter = 0.004; density = 7850.0; speed = 2.0; };\n"                   \
+#define DRAW_MILL                                                                      \
+  "title = \"small mill\"; duration = 0.06; seed = 3; gravity = [0.0, 0.0, -9.81];\n"  \
+  "chamber = { shape = \"drum\"; diameter = 0.06; length = 0.05; };\n"                 \
+  "rotor = { rpm = 2000.0; radius = 0.003; reach = 0.02; blades = ( { y = 0.017; },\n" \
+  "  { y = 0.034; angle_deg = 90.0; tip = \"hemisphere\"; } ); };\n"                   \
+  "balls = { count = 150; diameter = 0.004; density = 7850.0; speed = 2.0; };\n"       \
   "record = { frames = 100.0; collisions = true; };\n"
 
 static inline struct em_scene *draw_scene(const char *text, size_t count,

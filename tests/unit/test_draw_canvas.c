@@ -48,9 +48,9 @@ static void impossible_sizes_are_refused(void **state) {
   }
 }
 
-/* Where the ray through a pixel's middle meets the sphere: its depth, or NAN when it misses; *miss: how
- * far the ray passes from the silhouette, in radii. All in double precision, by another formula than the
- * shader's. */
+/* Where the ray through a pixel's middle meets the sphere: its depth, or NAN when it misses; *miss:
+ * how far the ray passes from the silhouette, in radii. All in double precision, by another formula
+ * than the shader's. */
 static double ray_depth(const struct em_camera_aim *aim, const struct em_sphere *s, int x, int y,
                         double *miss) {
   const float *v = aim->view, *q = aim->projection;
@@ -68,10 +68,12 @@ static double ray_depth(const struct em_camera_aim *aim, const struct em_sphere 
     d[0] = (nx + (double)q[8]) / (double)q[0];
     d[1] = (ny + (double)q[9]) / (double)q[5];
     const double l = sqrt(d[0] * d[0] + d[1] * d[1] + 1.0);
-    for (int k = 0; k < 3; k++) d[k] /= l;
+    for (int k = 0; k < 3; k++)
+      d[k] /= l;
   }
   double along = 0.0, away2 = 0.0;
-  for (int k = 0; k < 3; k++) along += (c[k] - o[k]) * d[k];
+  for (int k = 0; k < 3; k++)
+    along += (c[k] - o[k]) * d[k];
   for (int k = 0; k < 3; k++) {
     const double a = c[k] - o[k] - along * d[k];
     away2 += a * a;

@@ -14,7 +14,8 @@ static double linear(uint8_t v) {
   return u <= 0.04045 ? u / 12.92 : pow((u + 0.055) / 1.055, 2.4);
 }
 
-/* CIE 1976 L*, a*, b* under D65, by the standard's own numbers: not the space the maps are made in. */
+/* CIE 1976 L*, a*, b* under D65, by the standard's own numbers: not the space the maps are made in.
+ */
 static void to_lab(const uint8_t *c, double lab[3]) {
   static const double m[3][3] = {{0.4124564, 0.3575761, 0.1804375},
                                  {0.2126729, 0.7151522, 0.0721750},

@@ -1,5 +1,5 @@
-/* Films: as many frames as asked for, in order, of the size asked for; nothing is left of a film that
- * failed. No canvas may be made in this process before the films. */
+/* Films: as many frames as asked for, in order, of the size asked for; nothing is left of a film
+ * that failed. No canvas may be made in this process before the films. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -38,8 +38,8 @@ static bool stops(void *self, size_t done, size_t frames) {
 }
 
 static struct em_film_options options_for(const struct em_scene *scene, size_t frames) {
-  struct em_film_options o = {.picture = em_picture_default(scene, NULL), .frames = frames,
-                              .fps = 25.0, .workers = 2};
+  struct em_film_options o = {
+      .picture = em_picture_default(scene, NULL), .frames = frames, .fps = 25.0, .workers = 2};
   o.picture.width = 321; /* odd: rounded down */
   o.picture.height = 180;
   o.picture.smooth = 1;
@@ -74,7 +74,8 @@ static size_t read_greens(const char *path, double *mean, size_t most) {
   FILE *pipe = popen(command, "r");
   unsigned char rgb[3];
   size_t count = 0;
-  while (count < most && fread(rgb, 1, 3, pipe) == 3) mean[count++] = rgb[1];
+  while (count < most && fread(rgb, 1, 3, pipe) == 3)
+    mean[count++] = rgb[1];
   pclose(pipe);
   return count;
 }
@@ -95,7 +96,8 @@ static void a_film_has_all_frames(void **state) {
     probe(path, line, sizeof line);
     assert_string_equal(line, "h264,320,180,yuv420p,25/1,11");
     assert_int_equal(read_greens(path, mean, 16), 11);
-    for (int k = 1; k < 11; k++) assert_true(mean[k] >= mean[k - 1]);
+    for (int k = 1; k < 11; k++)
+      assert_true(mean[k] >= mean[k - 1]);
     assert_true(mean[10] > mean[0] + 3.0);
     assert_int_not_equal(access(draw_path("a film.mp4.part"), F_OK), 0);
     em_start_free(reel.balls);

@@ -51,20 +51,47 @@ static void every_option_shows(void **state) {
   for (int kind = 0; kind < 14; kind++) {
     o = options_for(scene, balls);
     switch (kind) {
-    case 0: o.hide_balls = true; break;
-    case 1: o.hide_rotor = true; break;
-    case 2: o.hide_drum = true; break;
-    case 3: o.hide_legend = true; break;
-    case 4: o.histogram = false; break;
-    case 5: o.dark = true; break;
-    case 6: o.camera = em_camera_make(EM_CAMERA_AXIAL); break;
-    case 7: o.camera = em_camera_make(EM_CAMERA_SIDE); break;
-    case 8: o.by = EM_PICTURE_SPECIES; break;
-    case 9: o.map = EM_COLOUR_EMBER; break;
-    case 10: o.limit = 20; break;
-    case 11: o.show_low = 2.5; break; /* faster than any */
-    case 12: o.camera.fov = 0.0; break;
-    default: o.high *= 0.3;
+    case 0:
+      o.hide_balls = true;
+      break;
+    case 1:
+      o.hide_rotor = true;
+      break;
+    case 2:
+      o.hide_drum = true;
+      break;
+    case 3:
+      o.hide_legend = true;
+      break;
+    case 4:
+      o.histogram = false;
+      break;
+    case 5:
+      o.dark = true;
+      break;
+    case 6:
+      o.camera = em_camera_make(EM_CAMERA_AXIAL);
+      break;
+    case 7:
+      o.camera = em_camera_make(EM_CAMERA_SIDE);
+      break;
+    case 8:
+      o.by = EM_PICTURE_SPECIES;
+      break;
+    case 9:
+      o.map = EM_COLOUR_EMBER;
+      break;
+    case 10:
+      o.limit = 20;
+      break;
+    case 11:
+      o.show_low = 2.5;
+      break; /* faster than any */
+    case 12:
+      o.camera.fov = 0.0;
+      break;
+    default:
+      o.high *= 0.3;
     }
     draw(scene, &o, balls, other);
     assert_true(difference(plain, other) > (kind == 4 ? 20 : 100));
@@ -84,7 +111,8 @@ static void a_smoother_picture_is_the_same_picture(void **state) {
   o.smooth = 3;
   draw(scene, &o, balls, thrice);
   double sum = 0.0;
-  for (int k = 0; k < BYTES; k++) sum += abs(once[k] - thrice[k]);
+  for (int k = 0; k < BYTES; k++)
+    sum += abs(once[k] - thrice[k]);
   assert_true(sum / BYTES < 4.0);
   em_start_free(balls);
   em_scene_free(scene);
@@ -190,7 +218,8 @@ static void paths_between_frames_are_exact(void **state) {
   assert_true(hypot(bead[0].place.x, bead[0].place.z) <= 0.03 + 1e-6);
   const uint8_t *cls = em_motion_classes(motion);
   size_t known = 0;
-  for (size_t n = 0; n < frame->count; n++) known += cls[n] < EM_CLASS_COUNT;
+  for (size_t n = 0; n < frame->count; n++)
+    known += cls[n] < EM_CLASS_COUNT;
   assert_true(known > frame->count / 2);
   em_motion_free(motion);
   em_start_free(frame);

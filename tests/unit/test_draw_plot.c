@@ -58,16 +58,26 @@ static void all_styles_are_drawn(void **state) {
 /* A text that would break out of its string would make gnuplot write this file. */
 static void texts_are_taken_literally(void **state) {
   char evil[512];
-  const struct em_plot_series s = {.name = "it's \"a\" {/*9 trap} \\n", .style = EM_PLOT_LINE,
-                                   .count = 4, .x = edge, .y = height};
+  const struct em_plot_series s = {.name = "it's \"a\" {/*9 trap} \\n",
+                                   .style = EM_PLOT_LINE,
+                                   .count = 4,
+                                   .x = edge,
+                                   .y = height};
   struct em_error err = {0};
   unsigned w, h;
   (void)state;
   const char *trap = draw_path("trap");
-  snprintf(evil, sizeof evil, "x'; system('touch %s'); set title 'y\nsystem('touch %s')\n`touch %s`",
-           trap, trap, trap);
-  const struct em_plot plot = {.title = evil, .subtitle = evil, .x_label = evil, .y_label = evil,
-                               .series_count = 1, .series = &s, .width = 400, .height = 300};
+  snprintf(evil, sizeof evil,
+           "x'; system('touch %s'); set title 'y\nsystem('touch %s')\n`touch %s`", trap, trap,
+           trap);
+  const struct em_plot plot = {.title = evil,
+                               .subtitle = evil,
+                               .x_label = evil,
+                               .y_label = evil,
+                               .series_count = 1,
+                               .series = &s,
+                               .width = 400,
+                               .height = 300};
   const char *path = draw_path("it's a file.png");
   assert_int_equal(em_plot_draw(&plot, path, &err), EM_OK);
   png_size(path, &w, &h);
@@ -105,8 +115,12 @@ static void maps_are_drawn(void **state) {
                                     {0.01 * (k / 6 + 1), M_PI / 3 * (k % 6 + 1)},
                                     k == 3 ? NAN : k - 2.0};
   for (int kind = 0; kind < 8; kind++) {
-    const struct em_plot_map map = {.title = "map", .value_label = "v  [m/s]", .cell_count = 12,
-                                    .cell = cell, .polar = kind & 1, .log_value = kind & 2,
+    const struct em_plot_map map = {.title = "map",
+                                    .value_label = "v  [m/s]",
+                                    .cell_count = 12,
+                                    .cell = cell,
+                                    .polar = kind & 1,
+                                    .log_value = kind & 2,
                                     .diverging = kind & 4 && !(kind & 2)};
     const char *path = draw_path("map.png");
     assert_int_equal(em_plot_map(&map, path, &err), EM_OK);

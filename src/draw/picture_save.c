@@ -10,7 +10,8 @@
 
 static uint8_t *without_alpha(const uint8_t *rgba, size_t pixels) {
   uint8_t *rgb = malloc(3 * pixels);
-  for (size_t k = 0; rgb != NULL && k < pixels; k++) memcpy(rgb + 3 * k, rgba + 4 * k, 3);
+  for (size_t k = 0; rgb != NULL && k < pixels; k++)
+    memcpy(rgb + 3 * k, rgba + 4 * k, 3);
   return rgb;
 }
 
