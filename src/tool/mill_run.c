@@ -50,6 +50,16 @@ static void catch_signals(void) {
   signal(SIGXFSZ, SIG_IGN);
 }
 
+/* 97 k, 1.04 M. */
+static void per_second(double rate, char *text, size_t size) {
+  if (rate < 1e3)
+    snprintf(text, size, "%.0f", rate);
+  else if (rate < 1e6)
+    snprintf(text, size, "%.0f k", 1e-3 * rate);
+  else
+    snprintf(text, size, "%.2f M", 1e-6 * rate);
+}
+
 static void show(void *self, const struct em_recorder_progress *now) {
   const double span = now->duration - now->from, done = now->time - now->from;
   const struct em_progress_state state = {
@@ -57,9 +67,10 @@ static void show(void *self, const struct em_recorder_progress *now) {
       .whole = now->duration > 0.0 ? now->time / now->duration : 1.0,
       .wall = now->wall,
   };
-  char text[128];
-  const double rate = now->wall > 0.0 ? (double)(now->collisions - now->at_begin) / now->wall : 0.0;
-  snprintf(text, sizeof text, "%.4g of %.4g s, %.3g collisions/s, %.3g x real time", now->time,
+  char text[128], rate[32];
+  per_second(now->wall > 0.0 ? (double)(now->collisions - now->at_begin) / now->wall : 0.0, rate,
+             sizeof rate);
+  snprintf(text, sizeof text, "%.4g/%.4g s  %s collisions/s  %.2g x real time", now->time,
            now->duration, rate, now->wall > 0.0 ? done / now->wall : 0.0);
   em_progress_show(self, &state, text);
 }
@@ -128,10 +139,10 @@ int em_mill_run(int argc, char **argv) {
   struct em_mill_options options;
   struct em_scene *scene = NULL;
   char path[EM_SCENE_PATH];
+  char *command = join(argc, argv); /* before the options are put in order */
   int code = em_mill_options(&options, &help, argc, argv);
   if (code < 0) code = em_mill_scene(&scene, &options);
   if (code < 0) {
-    char *command = join(argc, argv);
     const bool none = options.out && strcmp(options.out, "none") == 0;
     if (options.out)
       snprintf(path, sizeof path, "%s", options.out);
@@ -139,8 +150,8 @@ int em_mill_run(int argc, char **argv) {
       em_recorder_default_path(scene, path, sizeof path);
     if (!options.out && !options.quiet) fprintf(stderr, "writing %s\n", path);
     code = run(scene, &options, none ? NULL : path, command);
-    free(command);
   }
+  free(command);
   em_scene_free(scene);
   free(options.overrides);
   return code;

@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { BAR = 24 };
+enum { BAR = 16 };
 static const double BAR_EVERY = 0.2, LINE_EVERY = 10.0; /* s */
 
 struct em_progress {
@@ -53,7 +53,7 @@ static void draw_bar(double whole, const char *left, const char *text) {
   memset(bar, '.', BAR);
   memset(bar, '#', (size_t)filled);
   bar[BAR] = '\0';
-  snprintf(line, sizeof line, "[%s] %3.0f %%  %s  ETA %s", bar, 100.0 * whole, text, left);
+  snprintf(line, sizeof line, "[%s] %3.0f %%  ETA %s  %s", bar, 100.0 * whole, left, text);
   fprintf(stderr, "\r\033[K%.*s", columns() - 1, line);
   fflush(stderr);
 }
@@ -69,7 +69,7 @@ void em_progress_show(struct em_progress *progress, const struct em_progress_sta
   if (progress->terminal)
     draw_bar(state->whole, left, text);
   else
-    fprintf(stderr, "%3.0f %%  %s  ETA %s\n", 100.0 * state->whole, text, left);
+    fprintf(stderr, "%3.0f %%  ETA %s  %s\n", 100.0 * state->whole, left, text);
   progress->drawn = progress->terminal;
 }
 
