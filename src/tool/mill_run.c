@@ -70,7 +70,7 @@ static void show(void *self, const struct em_recorder_progress *now) {
   char text[128], rate[32];
   per_second(now->wall > 0.0 ? (double)(now->collisions - now->at_begin) / now->wall : 0.0, rate,
              sizeof rate);
-  snprintf(text, sizeof text, "%.4g/%.4g s  %s collisions/s  %.2g x real time", now->time,
+  snprintf(text, sizeof text, "%.4g/%.4g s  %s coll/s  %.2g x real time", now->time,
            now->duration, rate, now->wall > 0.0 ? done / now->wall : 0.0);
   em_progress_show(self, &state, text);
 }

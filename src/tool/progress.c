@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { BAR = 16 };
+enum { BAR = 12 };
 static const double BAR_EVERY = 0.2, LINE_EVERY = 10.0; /* s */
 
 struct em_progress {
