@@ -199,6 +199,7 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
     const double bend = acceleration(s, &p);
     if (rest < cap && is_clear(f, bend, rest, doubt)) break;
     if (s->tip == EM_TIP_NONE && f.value < deep) inside = true;
+    if (f.value > s->tolerance) inside = false; /* it left beyond the reach */
     double step;
     if (inside && (f.value < -s->tolerance || f.rate <= 0.0)) {
       step = inside_step(s, &p, &q, bend);

@@ -421,7 +421,7 @@ static void overlapping(void **state) {
     f.v = em_vec_axpy(f.v, -2.0 * parting, e);
     const double t = search(&f, INFINITY, NULL);
     if (f.blade.tip != EM_TIP_NONE)
-      assert_true(way <= 0.0 ? t == 0.0 : t < 1.1 * way / parting + 1e-15);
+      assert_true(way <= 0.0 ? t == 0.0 : t < (1.1 * way + 1e-16) / parting);
   }
   report("overlapping by rounding", &tally);
 }
