@@ -115,7 +115,7 @@ static size_t string_beads(const struct em_show *show, double time, const struct
       const double age = (time - p->time) / show->options.trail_time;
       if (age < 0.0 || age > 1.0) continue;
       show->bead[count++] =
-          (struct em_picture_bead){p->place, radius * (0.42 - 0.34 * age), {c[0], c[1], c[2]}};
+          (struct em_picture_bead){p->place, radius * (0.50 - 0.38 * age), {c[0], c[1], c[2]}};
     }
   }
   return count;
@@ -130,7 +130,7 @@ enum em_status em_show_at(struct em_show *show, double time, struct em_picture_s
   size_t beads = string_beads(show, time, balls);
   if (show->options.mark_time > 0.0)
     beads +=
-        em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS, 1.15 * balls->radius[0]);
+        em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS, 0.6 * balls->radius[0]);
   *state = (struct em_picture_state){
       .balls = balls,
       .time = fmin(fmax(time, em_show_first(show)), em_show_last(show)),

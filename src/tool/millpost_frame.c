@@ -50,6 +50,7 @@ static enum em_status draw_triple(struct em_picture *picture, struct em_show *sh
     if (status == EM_OK && !copy_moment(&moment[k], &state, blades))
       status = em_error_set(err, EM_MEMORY, NULL, 0, "no memory for three moments");
     three[k] = moment[k].state;
+    three[k].time = moment[0].state.time;
   }
   if (status == EM_OK) status = em_picture_triple(picture, three, rgba, err);
   for (int k = 0; k < 3; k++) {

@@ -60,6 +60,8 @@ static const struct entry entries[] = {
      AT(show.trail_time), BOTH},
     {"marks", "T", "mark the collisions of the last T seconds (needs a collision table)", POSITIVE,
      AT(show.mark_time), BOTH},
+    {"smooth", "N", "samples per pixel each way, 1 to 4; default: 2 for frames, 1 for film", WHOLE,
+     AT(smooth), BOTH},
     {"dark", NULL, "on a dark ground", FLAG, AT(dark), BOTH},
     {"workers", "N", "processes that draw; default: one per core", WHOLE, AT(workers),
      EM_LOOK_FILM},
@@ -303,6 +305,7 @@ struct em_picture_options em_millpost_look_picture(const struct em_millpost_look
   o.show_low = look->show_low;
   o.show_high = look->show_high;
   o.limit = (size_t)look->balls;
+  if (look->smooth > 0.0) o.smooth = (int)look->smooth;
   o.hide_rotor = look->hide_rotor;
   o.hide_drum = look->hide_drum;
   o.hide_balls = look->hide_balls;

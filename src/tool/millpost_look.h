@@ -19,7 +19,7 @@ struct em_millpost_look {
   int by, map;      /* -1: not said */
   double low, high; /* ends of the scale; NAN */
   double show_low, show_high;
-  double balls;
+  double balls, smooth; /* 0: not said */
   bool hide_rotor, hide_drum, hide_balls, hide_legend, hide_histogram;
   struct em_show_options show;
   double at, triple;                                   /* frame; NAN */

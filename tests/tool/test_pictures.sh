@@ -1,0 +1,99 @@
+#!/bin/bash
+# millpost frame and film as a user runs them: good input, bad input, an interrupted film.
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+case ${BUILD:-build} in /*) bin=$BUILD ;; *) bin=$PWD/${BUILD:-build} ;; esac
+post=$bin/millpost
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+number=0 failed=0
+
+report() { # verdict text
+  number=$((number + 1))
+  echo "$1 $number - $2"
+  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
+}
+
+# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
+expect() {
+  local code=$1 pattern=$2 text=$3 status verdict=ok
+  shift 3
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
+  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
+  report "$verdict" "$text"
+}
+
+# is TEXT WANT GOT
+is() {
+  echo "$3, expected $2" >"$work/err"
+  if [ "$2" = "$3" ]; then report ok "$1"; else report "not ok" "$1"; fi
+}
+
+picture() { # width,height of a file
+  ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$1"
+}
+
+run=$work/run.h5 plain=$work/plain.h5 still=$work/still.h5
+small=(geometries/simoloyer-2l.cfg duration=0.01 balls.count=300 record.frames=1000 --quiet)
+"$bin/mill" run "${small[@]}" record.collisions=true -o "$run" >"$work/out" || exit 2
+"$bin/mill" run "${small[@]}" record.collisions=false -o "$plain" >"$work/out" || exit 2
+"$bin/mill" run "${small[@]}" record.frames=0 -o "$still" >"$work/out" || exit 2
+
+# ---------------------------------------------------------------- pictures
+for command in frame film; do
+  expect 0 "" "$command --help" "$post" $command --help
+  expect 2 "expected RUN" "$command without a run" "$post" $command
+  expect 2 "unknown option '--fly'" "$command --fly" "$post" $command "$run" --fly
+  expect 2 "unexpected argument" "$command with two runs" "$post" $command "$run" "$run"
+  expect 2 "is not WIDTHxHEIGHT" "$command --size" "$post" $command "$run" --size 5
+  expect 2 "expected axial" "$command --camera" "$post" $command "$run" --camera upside
+  expect 2 "is not LOW:HIGH" "$command --scale" "$post" $command "$run" --scale 3:1
+  expect 2 "1 to 4" "$command --smooth" "$post" $command "$run" --smooth 9 -o "$work/d"
+  expect 2 "is not a number" "$command --turn" "$post" $command "$run" --turn nan
+  expect 2 "unknown thing" "$command --hide" "$post" $command "$run" --hide drum,moon
+  expect 2 "no ball 300" "$command --trail" "$post" $command "$run" --trail 300
+  expect 2 "no collision table" "$command --marks" "$post" $command "$plain" --marks 0.001
+  expect 2 "no frames" "$command of a run without frames" "$post" $command "$still"
+  expect 1 "" "$command of no file" "$post" $command "$work/none.h5"
+  expect 1 "" "$command of a foreign file" "$post" $command README.md
+  expect 1 "cannot be written" "$command into nowhere" "$post" $command "$run" -o /nowhere/x.mp4
+done
+expect 2 "the run has frames from 0 to 0.01" "--at beyond the end" "$post" frame "$run" --at 0.5
+expect 0 "drawn by" "a picture" "$post" frame "$run" --at 0.0053 --size 400x300 -o "$work/a.png"
+is "its size" 400,300 "$(picture "$work/a.png")"
+"$post" frame "$run" --at 0.0053 --size 400x300 --quiet -o "$work/b.png"
+is "the same again" 0 "$(cmp -s "$work/a.png" "$work/b.png"; echo $?)"
+for look in "--camera axial" "--colour class" "--color spin --map ember" "--colour species --dark" \
+  "--speeds 1:2 --balls 50" "--trail 1,2 --trail-time 0.005" "--marks 0.002" "--triple 0.001" \
+  "--parallel --turn 45 --tilt 30 --zoom 1.5" "--hide rotor,drum,legend" "--scale 0:3" "--smooth 3"; do
+  # shellcheck disable=SC2086
+  expect 0 "" "a picture: $look" "$post" frame "$run" --at 0.005 --size 320x200 --quiet $look \
+    -o "$work/c.png"
+  is "differs: $look" 1 "$(cmp -s "$work/a.png" "$work/c.png"; echo $?)"
+done
+
+# ---------------------------------------------------------------- films
+expect 0 "frames/s" "a film" "$post" film "$run" --size 320x180 --fps 20 --slow 50 -o "$work/a.mp4"
+is "its size, rate and frames" "h264,320,180,20/1,11" "$(ffprobe -v error -count_frames \
+  -show_entries stream=codec_name,width,height,r_frame_rate,nb_read_frames -of csv=p=0 "$work/a.mp4")"
+expect 0 "" "every stored frame once" "$post" film "$plain" --size 64x64 --quiet -o "$work/b.mp4"
+is "as many frames" 11 "$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames \
+  -of csv=p=0 "$work/b.mp4")"
+expect 0 "" "an orbit with trails" "$post" film "$run" --size 160x90 --orbit 90 --trail 3 --quiet \
+  --marks 0.001 --colour class -o "$work/c.mp4"
+expect 2 "the run has frames" "--from after --to" "$post" film "$run" --from 0.009 --to 0.001
+(cd "$work" && "$post" film run.h5 --size 64x64 --quiet)
+is "named after the run" 0 "$([ -s "$work/run.mp4" ]; echo $?)"
+
+"$post" film "$run" --size 1280x720 --slow 50000 -o "$work/long.mp4" 2>"$work/err" &
+pid=$!
+sleep 2
+kill -INT $pid 2>>"$work/err"
+wait $pid
+is "an interrupted film" 1 $?
+is "leaves nothing" "" "$(find "$work" -name 'long*')"
+
+echo "1..$number"
+exit $failed
