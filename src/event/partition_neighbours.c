@@ -14,6 +14,7 @@
 #include "event/shells.h"
 
 #define STRAIGHT 0.8 /* share of the skin for the straight part of a path */
+#define KEEP 0.72    /* of the skin: nearer to its centre a shell is kept when its time is up */
 
 enum {
   LIST_LEAST = 16,  /* a list's room is at least this, doubled when full */
@@ -206,6 +207,22 @@ static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, d
   return near;
 }
 
+/* Leave times are lower bounds, and often a ball is still well inside its shell: then it stays there,
+ * and the time is set anew. */
+static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, double now) {
+  struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
+  const double fast2 = em_vec_norm2(v);
+  if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
+  const struct shell *s = &p->shell[i];
+  const double dx = nearest(x.x - (double)s->centre[0], w->period.x);
+  const double dy = nearest(x.y - (double)s->centre[1], w->period.y);
+  const double dz = nearest(x.z - (double)s->centre[2], w->period.z);
+  const double inside = KEEP * (double)s->skin;
+  if (dx * dx + dy * dy + dz * dz > inside * inside) return false;
+  w->leave[i] = stay(w, p, s, now, x, v, fast2);
+  return true;
+}
+
 /* Places the shell of ball i at time `now`, ahead of it in its direction. */
 static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, double now) {
   struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
@@ -249,6 +266,8 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   struct em_places *p = w->places;
   struct list *l = &p->list[i];
   struct shell *s = &p->shell[i];
+  *count = 0;
+  if (shell_keeps(w, p, i, now)) return p->found;
   if (l->count > p->many)
     s->skin = fmaxf(0.9f * s->skin, (float)p->skin_least);
   else if (l->count < p->few)
@@ -434,8 +453,8 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   }
   p->skin_least = 0.2 * p->skin_most;
   p->ahead = 0.7;
-  p->few = 10;
-  p->many = 24;
+  p->few = 12;
+  p->many = 28;
   w->places = p;
   p->may_turn = may_turn(w);
   p->at = NAN;
