@@ -302,7 +302,8 @@ static double FN(spin_up)(struct em_world *w, uint32_t i, double m, const struct
   return 0.5 * (0.4 * m * r * r) * em_vec_dot(d, em_vec_add(old, w->spin[i]));
 }
 
-/* Which remedies act on a contact with approach speed vn, when the balls' last was `since` ago. */
+/* Which remedies act on a contact with approach speed vn, when the balls' last was `since` ago. An
+ * elastic contact loses nothing, along the surface neither: else rough heaps still collapse. */
 static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double since, double vn) {
   struct remedy act = {false, false};
   if (!WITH(EXTRA)) return act;
@@ -312,11 +313,11 @@ static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double sinc
     w->tally.jam++;
   }
   if (since < r->tc) {
-    act.elastic = true;
+    act.elastic = act.frictionless = true;
     w->tally.tc++;
   }
   if (vn < r->elastic_below) {
-    act.elastic = true;
+    act.elastic = act.frictionless = true;
     w->tally.elastic++;
   }
   return act;
