@@ -136,6 +136,15 @@ static double acceleration(const struct search *s, const struct place *p) {
   return 3.125 * s->fall + omega * (2.0 * p->speed + omega * r);
 }
 
+/* From a gap that rounding nearly hides to the contact; 0 where that is so flat that the way there
+ * bends by more than the gap. */
+static double last_step(const struct search *s, const struct place *p, struct gap f, double bend) {
+  if (f.value <= 0.0) return 0.0;
+  const double time = safe_step(f.value, f.rate, bend);
+  const double speed = p->speed + fabs(p->dy) + fabs(s->omega) * p->r;
+  return (bend + speed * speed / s->radius) * time * time < s->tolerance ? time : 0.0;
+}
+
 /* Inside the endless bar of the tip `none`: F = ρ² − w² has F'' ≤ 2 U² + 2 w A; the first root of
  * the upper parabola is not later than the exit. U holds for the time in which a ball falls half
  * the width, and the step is no longer. */
@@ -205,7 +214,7 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
       step = inside_step(s, &p, &q, bend);
     } else if (f.value <= s->tolerance && f.rate < 0.0) {
       if (s->tip != EM_TIP_NONE || q.x <= s->reach) {
-        t += f.value > 0.0 ? safe_step(f.value, f.rate, bend) : 0.0;
+        t += last_step(s, &p, f, bend);
         return t <= horizon ? t : INFINITY;
       }
       inside = true;
