@@ -87,12 +87,18 @@ struct em_goodness em_goodness_ks(double *u, size_t n) {
   return (struct em_goodness){d, (double)n, em_goodness_kolmogorov(stretched(d, (double)n))};
 }
 
-/* √n D of one sample of `size` values x² = χ²_k, scaled so that their sum is size·k. */
-static double draw_tied(gsl_rng *rng, enum em_distribution law, double *x, size_t size) {
+/* √n D of one sample of `size` values x² = χ²_k, scaled so that their sum is size·k, and centred
+ * before when asked for. */
+static double draw_tied(gsl_rng *rng, enum em_distribution law, bool centred, double *x,
+                        size_t size) {
   const int k = em_distribution_freedom(law);
-  double sum = 0.0;
+  double sum = 0.0, mean = 0.0;
   for (size_t i = 0; i < size; i++) {
     x[i] = k == 1 ? gsl_ran_ugaussian(rng) : sqrt(gsl_ran_chisq(rng, k));
+    mean += x[i] / (double)size;
+  }
+  for (size_t i = 0; i < size; i++) {
+    if (centred) x[i] -= mean;
     sum += x[i] * x[i];
   }
   const double a = sqrt(sum / ((double)size * k));
@@ -113,8 +119,8 @@ static double sampled_tail(const double *sorted, size_t n, double x) {
   return 0.02 * exp(-log(10.0) * (x * x - b * b) / (b * b - a * a));
 }
 
-enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution law, double *u,
-                                   size_t n) {
+enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution law, bool centred,
+                                   double *u, size_t n) {
   if (em_distribution_freedom(law) == 0) return EM_INPUT;
   *out = em_goodness_ks(u, n);
   if (n == 0) return EM_OK;
@@ -126,7 +132,7 @@ enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution
     double *drawn = x + size;
     gsl_rng_set(rng, 20051);
     for (int s = 0; s < TIED_SAMPLES; s++)
-      drawn[s] = draw_tied(rng, law, x, size);
+      drawn[s] = draw_tied(rng, law, centred, x, size);
     gsl_sort(drawn, 1, TIED_SAMPLES);
     out->p = sampled_tail(drawn, TIED_SAMPLES, stretched(out->statistic, (double)n));
   }

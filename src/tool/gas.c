@@ -9,7 +9,10 @@
 
 /* Ball-ball collisions per ball: until the start is forgotten, between two samples of the same
  * balls, and within one window of collisions. */
-static const double SETTLE = 30.0, APART = 15.0, WITHIN = 0.2;
+static const double SETTLE = 30.0, APART = 10.0, WITHIN = 0.2;
+
+/* Decay times of the longest density wave between two frames whose waves are taken. */
+static const double WAVES = 2.0;
 
 /* Layers that walls impose on the balls near them have faded so many diameters away. */
 static const double LAYERS = 3.0;
@@ -45,9 +48,6 @@ void em_gas_free(struct em_gas *gas) {
   if (!gas) return;
   for (int q = 0; q < EM_GAS_COUNT; q++)
     free(gas->x[q]);
-  for (int w = 0; w < 3; w++)
-    for (int m = 0; m < EM_GAS_MODES; m++)
-      free(gas->waves[w].series[m]);
   free(gas);
 }
 
@@ -193,52 +193,80 @@ static void take_velocities(struct em_gas *gas, const struct em_balls *balls, st
   }
 }
 
-static void take_waves(struct em_gas *gas, const struct em_balls *balls,
-                       const struct em_scene *scene, size_t frame) {
+/* The waves of one ball along coordinate w; returns how many there are. */
+static int waves_of(const struct em_scene *scene, struct em_vec r, int w, double *wave) {
   const struct em_chamber *c = &scene->chamber;
   struct em_vec low, high;
   em_scene_bounds(scene, &low, &high);
-  for (size_t i = 0; i < balls->count; i++) {
-    const struct em_vec r = balls->position[i];
-    const double angle = atan2(r.z, r.x), weight = 1.0 / (double)balls->count;
-    const double u[3] = {(r.x - low.x) / (high.x - low.x), (r.y - low.y) / (high.y - low.y),
-                         (r.z - low.z) / (high.z - low.z)};
-    for (int w = 0; w < 3; w++) {
-      double *const *s = gas->waves[w].series;
-      const bool loop = c->shape == EM_SHAPE_BOX ? c->periodic[w] : w == 0;
-      const double phase = c->shape == EM_SHAPE_BOX ? 2.0 * M_PI * u[w] : angle;
-      if (gas->waves[w].modes == 0) continue;
-      if (loop) {
-        s[0][frame] += weight * cos(phase);
-        s[1][frame] += weight * sin(phase);
-        s[2][frame] += weight * cos(2.0 * phase);
-        s[3][frame] += weight * sin(2.0 * phase);
-      } else { /* odd waves: layers at both walls cancel */
-        s[0][frame] += weight * cos(M_PI * u[w]);
-        s[1][frame] += weight * cos(3.0 * M_PI * u[w]);
+  const double u[3] = {(r.x - low.x) / (high.x - low.x), (r.y - low.y) / (high.y - low.y),
+                       (r.z - low.z) / (high.z - low.z)};
+  const bool box = c->shape == EM_SHAPE_BOX, loop = box ? c->periodic[w] : w == 0;
+  if (!box && w == 2) return 0;
+  if (!loop) {
+    wave[0] = cos(M_PI * u[w]);
+    wave[1] = cos(3.0 * M_PI * u[w]);
+    return 2;
+  }
+  const double phase = box ? 2.0 * M_PI * u[w] : atan2(r.z, r.x);
+  wave[0] = cos(phase);
+  wave[1] = sin(phase);
+  wave[2] = cos(2.0 * phase);
+  wave[3] = sin(2.0 * phase);
+  return 4;
+}
+
+static double stiffness(const struct em_balls *balls, const struct em_scene *scene) {
+  double volume = 0.0;
+  for (size_t i = 0; i < balls->count; i++)
+    volume += 4.0 / 3.0 * M_PI * balls->radius[i] * balls->radius[i] * balls->radius[i];
+  const double phi = volume / em_scene_volume(scene), p = 1.0 + 2.0 * phi;
+  return pow(1.0 - phi, 4.0) / (p * p + phi * phi * phi * (phi - 4.0));
+}
+
+static void take_waves(struct em_gas *gas, const struct em_balls *balls,
+                       const struct em_scene *scene) {
+  const double s0 = stiffness(balls, scene);
+  for (int w = 0; w < 3; w++) {
+    double sum[EM_GAS_MODES] = {0.0}, square[EM_GAS_MODES] = {0.0}, wave[EM_GAS_MODES];
+    int modes = 0;
+    for (size_t i = 0; i < balls->count; i++) {
+      modes = waves_of(scene, balls->position[i], w, wave);
+      for (int m = 0; m < modes; m++) {
+        sum[m] += wave[m];
+        square[m] += wave[m] * wave[m];
       }
     }
+    for (int m = 0; m < modes; m++)
+      gas->waves[w].chi2 += sum[m] * sum[m] / (square[m] * s0);
+    gas->waves[w].freedom += (size_t)modes;
+  }
+  gas->wave_frames++;
+}
+
+static void name_waves(struct em_gas *gas, const struct em_chamber *c) {
+  static const char *const box_key[] = {"position_x", "position_y", "position_z"};
+  static const char *const box_words[] = {"positions, x", "positions, y", "positions, z"};
+  const bool box = c->shape == EM_SHAPE_BOX;
+  for (int w = 0; w < 3; w++) {
+    gas->waves[w].key = box ? box_key[w] : w == 0 ? "position_angle" : "position_axial";
+    gas->waves[w].words = box      ? box_words[w]
+                          : w == 0 ? "positions, angle"
+                                   : "positions, along the axis";
   }
 }
 
-static bool prepare_waves(struct em_gas *gas, const struct em_chamber *c, size_t frames) {
-  static const char *const box_key[] = {"position_x", "position_y", "position_z"};
-  static const char *const box_words[] = {"positions, x", "positions, y", "positions, z"};
-  for (int w = 0; w < 3; w++) {
-    struct em_gas_waves *waves = &gas->waves[w];
-    waves->key = box_key[w];
-    waves->words = box_words[w];
-    if (c->shape == EM_SHAPE_BOX) {
-      waves->modes = c->periodic[w] ? 4 : 2;
-    } else if (w < 2) {
-      waves->modes = w == 0 ? 4 : 2;
-      waves->key = w == 0 ? "position_angle" : "position_axial";
-      waves->words = w == 0 ? "positions, angle" : "positions, along the axis";
-    }
-    for (int m = 0; m < waves->modes; m++)
-      if (!(waves->series[m] = calloc(frames, sizeof(double)))) return false;
-  }
-  return true;
+/* Density evens out by diffusion: a wave of number k decays with D k², D about 1.2 λ v̄ with the
+ * mean free path λ = v̄/ν. In collisions per ball, WAVES decay times of the longest wave. */
+static double wave_spacing(const struct pace *pace, const struct em_scene *scene, double kt,
+                           double mass) {
+  const struct em_trace *c = &pace->trace;
+  struct em_vec low, high;
+  em_scene_bounds(scene, &low, &high);
+  const double length = fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
+  const double time = c->time[c->count - 1] - c->time[0];
+  const double rate = (pace_at(pace, INFINITY) - pace_at(pace, -INFINITY)) / time;
+  const double path = sqrt(8.0 * kt / (M_PI * mass)) / rate, k = M_PI / length;
+  return fmax(APART, WAVES / (1.2 * path * path * k * k));
 }
 
 static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *run,
@@ -250,17 +278,23 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
   for (int q = EM_GAS_SPEED; q <= EM_GAS_VZ; q++)
     if (!reserve(gas, (enum em_gas_quantity)q, most))
       return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  if (!prepare_waves(gas, &scene->chamber, frames + 1))
-    return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  name_waves(gas, &scene->chamber);
   struct em_balls *balls = NULL;
   enum em_status status = em_run_file_balls(run, &balls, err);
-  double before = -INFINITY;
+  bool alike = true;
+  for (size_t i = 1; status == EM_OK && i < balls->count; i++)
+    alike = alike && balls->mass[i] == balls->mass[0] && balls->radius[i] == balls->radius[0];
+  double before = -INFINITY, wave_before = 0.0; /* the start is a frame to stay away from */
+  if (status == EM_OK) gas->wave_spacing = wave_spacing(pace, scene, gas->kt, balls->mass[0]);
   for (size_t k = 0; status == EM_OK && k < frames; k++) {
     const double t = em_run_file_frame_time(run, k);
     if (t < from || t > to) continue;
     status = em_run_file_frame(run, k, balls, err);
     if (status != EM_OK) break;
-    take_waves(gas, balls, scene, gas->wave_frames++);
+    if (alike && pace_at(pace, t) - wave_before >= gas->wave_spacing) {
+      take_waves(gas, balls, scene);
+      wave_before = pace_at(pace, t);
+    }
     if (pace_at(pace, t) - before < APART || gas->n[EM_GAS_SPEED] + balls->count > most) continue;
     before = pace_at(pace, t);
     take_velocities(gas, balls, drift_of(balls, &scene->chamber), most);

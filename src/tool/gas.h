@@ -39,13 +39,15 @@ enum em_gas_quantity { EM_GAS_LIST(EM_GAS_ENUM) EM_GAS_COUNT };
 
 enum { EM_GAS_MODES = 4 };
 
-/* Density waves along one coordinate: the mean over all balls of EM_GAS_MODES waves, frame by
- * frame, whose mean over time is 0 when all places are alike (walls and their layers of balls
- * included). */
+/* Density waves along one coordinate: in each frame that is far from the one before, the mean over
+ * all balls of up to EM_GAS_MODES waves, which is 0 when all places are alike. Its variance is that
+ * of free points times S(0) = (1−φ)⁴/((1+2φ)² + φ³(φ−4)), because balls exclude one another
+ * (Carnahan & Starling 1969). Waves that end at walls are odd: the layers of balls at both walls
+ * cancel. */
 struct em_gas_waves {
   const char *key, *words;
-  int modes;                    /* 0: none along this coordinate */
-  double *series[EM_GAS_MODES]; /* [frames], owned */
+  double chi2;    /* Σ (amplitude/σ)² */
+  size_t freedom; /* number of its terms */
 };
 
 struct em_gas {
@@ -54,6 +56,7 @@ struct em_gas {
   double mass, sigma;  /* kg, and m/s: √(kT/m); NAN for balls of several masses */
   double energy_drift; /* largest |E(t) − E(0)|/E(0) of the observables; NAN: none */
   double square[3];    /* Σ m v_x²/kT, the same of y and z, over the sampled frames */
+  double wave_spacing; /* collisions per ball between two frames for the waves */
   size_t frames, wave_frames, windows;
   size_t n[EM_GAS_COUNT];
   double *x[EM_GAS_COUNT]; /* in units of the law's parameter; [0, 1] for uniform ones; owned */
