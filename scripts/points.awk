@@ -101,9 +101,9 @@ function write_point(k,   a, r, text, name, row, seed, id) {
   text = name = row = ""
   for (a = 1; a <= axes; a++) {
     text = text key[sorted[a]] "=" at[k, sorted[a]] " "
-    id = key[a]
+    id = key[sorted[a]]
     sub(/.*\./, "", id)
-    name = name id "-" at[k, a] "_"
+    name = name id "-" at[k, sorted[a]] "_"
     row = row "," at[k, a]
   }
   if (text in seen) return

@@ -1,0 +1,165 @@
+#!/bin/bash
+# Sweeps as a user runs them: points and seeds, kills, failures, tables, diagrams.
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+case ${BUILD:-build} in /*) ;; *) BUILD=$PWD/${BUILD:-build} ;; esac
+export BUILD
+top=$PWD sweep=$PWD/scripts/sweep collect=$PWD/scripts/collect
+command -v parallel >/dev/null || { echo "ok 1 - skipped: GNU parallel is not installed"; exit 0; }
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 2
+mill=$top/geometries/simoloyer-2l.cfg
+number=0 failed=0
+
+report() { # verdict text
+  number=$((number + 1))
+  echo "$1 $number - $2"
+  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err" | tail -n 20; }
+}
+expect() { # CODE PATTERN TEXT COMMAND...: exit code, and a pattern in what goes to stderr
+  local code=$1 pattern=$2 text=$3 status verdict=ok
+  shift 3
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
+  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
+  report "$verdict" "$text"
+}
+check() { # TEXT COMMAND...
+  local text=$1
+  shift
+  if "$@" >"$work/out" 2>"$work/err"; then report ok "$text"; else report "not ok" "$text"; fi
+}
+rows() { grep -vc '^#' "$1"; }
+column() { # FILE KEY
+  awk -F, -v key="$2" '/^#/ { next } !at { for (k = 1; k <= NF; k++) if ($k == key) at = k; next }
+    { print $at }' "$1"
+}
+
+few=("$mill" balls.count=40,60 rotor.rpm=900:300:1500 duration=0.06)
+
+# ---------------------------------------------------------------- usage
+expect 2 "no scene" "no scene" "$sweep" -o a
+expect 2 "no folder" "no folder" "$sweep" "$mill" rotor.rpm=900,1000
+expect 2 "there is no such scene" "a scene that is not there" "$sweep" no.cfg rotor.rpm=900,1000 -o a
+expect 2 "low:step:high" "a range that runs backwards" "$sweep" "$mill" rotor.rpm=900:10:800 -o a
+expect 2 "error" "a key that the scene does not know" "$sweep" "$mill" rotor.rmp=900,1000 -o a
+expect 2 "seeds come from the points" "a seed as an axis" "$sweep" "$mill" seed=1,2 -o a
+expect 2 "unknown option" "an unknown option" "$sweep" "$mill" --fast -o a
+check "bad usage leaves nothing" test ! -e a
+for script in sweep collect run-point plot-map plot-lines calibrate; do
+  check "$script --help" bash -c "'$top/scripts/$script' --help | grep -q '^Usage\|Usage:'"
+done
+
+# ---------------------------------------------------------------- dry run
+check "a dry run" "$sweep" "${few[@]}" -o a -n
+cp out plan
+check "it lists the points" test "$(grep -c "to do.*runs/" plan)" -eq 6
+check "and the time" grep -q "6 of 6 runs to do.*of computing" plan
+check "it leaves nothing" test ! -e a
+
+# ---------------------------------------------------------------- a grid
+expect 0 "12 of 12" "a sweep, which tells its progress" "$sweep" "${few[@]}" --repeat 2 -o whole
+report "$([ "$(rows whole/table.csv)" -eq 13 ] && [ "$(rows whole/mean.csv)" -eq 7 ] &&
+  [ "$(rows whole/provenance.csv)" -eq 13 ] && echo ok || echo not ok)" "tables with all runs and points"
+report "$([ "$(column whole/table.csv seed | sort -u | wc -l)" -eq 12 ] && echo ok || echo not ok)" \
+  "each run has a seed of its own"
+run=$(ls -d "$PWD"/whole/runs/*.h5 | head -n 1)
+"$BUILD/millpost" info "$run" --json >info
+check "no frames, no collision table" bash -c "
+  grep -q '\"frames\": 0,' info && grep -q '\"rows\": \"none\"' info"
+check "the HDF5 table holds what the CSV does" bash -c "
+  h5dump -d /runs/total_collisions -y -w 1 whole/table.h5 | awk '/^ *[0-9]/ { s += \$1 } END { print s }' >x
+  awk -F, '/^#/ { next } !c { for (k = 1; k <= NF; k++) if (\$k == \"total_collisions\") c = k; next }
+    { s += \$c } END { print s }' whole/table.csv >y && [ -s x ] && cmp x y"
+check "units are in the HDF5 table" bash -c "
+  h5dump -a /points/median_speed/unit whole/table.h5 | grep -q 'm/s'"
+check "means of repeated runs" bash -c "
+  awk -F, '/^#/ { next } FNR == 1 || !h[FILENAME]++ { for (k = 1; k <= NF; k++) { n = \$k; sub(/ .*/, \"\", n)
+      at[FILENAME, n] = k }; next }
+    FILENAME ~ /table/ { sum[\$at[FILENAME, \"point\"]] += \$at[FILENAME, \"collision_rate\"] / 2; next }
+    { d = sum[\$at[FILENAME, \"point\"]] / \$at[FILENAME, \"collision_rate\"] - 1
+      if (d * d > 1e-14) bad = 1; n++ } END { exit bad || n != 6 }' whole/table.csv whole/mean.csv"
+
+# A point's seed and name depend on its values alone.
+check "one point of it, with the axes the other way round" "$sweep" "$mill" duration=0.06 \
+  rotor.rpm=1200,1200.0 balls.count=60,60 -o one
+report "$(grep -qF "$(tail -n 1 one/table.csv | cut -d, -f 3,4)" whole/table.csv && echo ok ||
+  echo not ok)" "has the same seed and name"
+
+# ---------------------------------------------------------------- extending
+stamp() { stat -c '%n %Y %s' "$1"/runs/*.h5 | sort; }
+stamp whole >before
+check "the same again" "$sweep" "${few[@]}" --repeat 2 -o whole
+check "changes no run" bash -c "$(declare -f stamp); stamp whole | cmp before -"
+cp whole/table.csv first.csv
+check "a longer duration goes on" "$sweep" "${few[@]}" --repeat 2 duration=0.08 -o whole
+report "$(column whole/table.csv 'simulated_time [s]' | grep -qxv 0.08 && echo not ok || echo ok)" \
+  "to that duration"
+expect 2 "another folder" "other fixed values are refused" "$sweep" "${few[@]}" "gravity=[0,0,0]" -o whole
+
+# ---------------------------------------------------------------- lists and hypercubes
+printf 'rotor.rpm balls.count\n900 40\n\n# a comment\n1300 50\n' >list
+check "points from a list" "$sweep" "$mill" --list list duration=0.02 -o listed
+report "$([ "$(column listed/table.csv balls.count | tr '\n' ' ')" = "40 50 " ] && echo ok ||
+  echo not ok)" "has those points"
+check "a hypercube" "$sweep" "$mill" rotor.rpm=800:1600 balls.count=20:5:55 --lhs 8 duration=0.01 -o cube
+report "$(column cube/table.csv rotor.rpm | awk '{ part[int(($1 - 800) / 100)]++ }
+  END { for (k = 0; k < 8; k++) if (part[k] != 1) bad = 1; print bad ? "not ok" : "ok" }')" \
+  "has one point in each eighth"
+report "$(column cube/table.csv balls.count | sort -n | tr '\n' ' ' |
+  grep -qx '20 25 30 35 40 45 50 55 ' && echo ok || echo not ok)" "along each axis"
+
+# ---------------------------------------------------------------- failures
+# 400000 balls find no place in the drum.
+expect 1 "1 of 3 runs failed" "a point that fails" "$sweep" "$mill" balls.count=40,400000,50 duration=0.02 -o bad
+cp err why
+check "the others are in the table" test "$(rows bad/table.csv)" -eq 3
+check "it is listed" grep -q 400000 bad/failed.csv
+check "with its reason" grep -q "count-400000.*error" why
+
+# A run file that is damaged is begun anew, and gives the same again.
+run=$(ls "$work"/listed/runs/*.h5 | head -n 1)
+cp listed/table.csv sound.csv
+head -c 3000 "$run" >short && mv short "$run" && rm "${run%.h5}.json"
+expect 0 "" "a damaged run file" "$sweep" "$mill" --list list duration=0.02 -o listed
+check "is begun anew" cmp sound.csv listed/table.csv
+
+# ---------------------------------------------------------------- kills
+long=("$mill" rotor.rpm=900:200:1700 balls.count=300 duration=0.4 -q)
+check "a sweep, undisturbed" "$sweep" "${long[@]}" -o quiet
+processes() { ps -o pid= -s "$1" 2>/dev/null; }
+for signal in KILL TERM; do
+  setsid "$sweep" "${long[@]}" -o "$signal" >/dev/null 2>&1 &
+  for _ in $(seq 100); do
+    ls "$signal"/runs/*.h5 >/dev/null 2>&1 && break
+    sleep 0.05
+  done
+  sleep 0.1
+  group=$(ps -o sid= -p $! | tr -d ' ')
+  if [ "$signal" = KILL ]; then # everything at once, as when the machine goes down
+    [ -n "$group" ] && processes "$group" | xargs -r kill -KILL 2>/dev/null
+  else
+    kill -TERM $!
+  fi
+  wait $! 2>/dev/null
+  report "$([ "$(ls "$signal"/runs/*.json 2>/dev/null | wc -l)" -lt 5 ] && echo ok || echo not ok)" \
+    "SIG$signal in the middle of a sweep"
+  for _ in $(seq 40); do [ -n "$(processes "${group:-0}")" ] || break; sleep 0.1; done
+  report "$([ -z "$group" ] || [ -z "$(processes "$group")" ] && echo ok || echo not ok)" \
+    "leaves no process behind"
+  check "the same command goes on" "$sweep" "${long[@]}" -o "$signal"
+  check "and gives the same table" cmp quiet/table.csv "$signal/table.csv"
+done
+
+# ---------------------------------------------------------------- diagrams
+"$collect" whole >/dev/null 2>&1
+if command -v gnuplot >/dev/null; then
+  check "a map" "$top/scripts/plot-map" whole median_vn -o map.png
+  check "curves" "$top/scripts/plot-lines" whole power --by balls.count -o lines.svg
+  check "a map of scattered points" "$top/scripts/plot-map" cube collision_rate -o cube.gp
+  check "are there" test -s map.png -a -s lines.svg -a -s cube.gp
+fi
+expect 2 "no column" "a figure that is not there" "$top/scripts/plot-lines" whole beauty -o x.png
+exit $failed
