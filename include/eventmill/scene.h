@@ -11,7 +11,7 @@
 
 #include "eventmill/contact.h"
 #include "eventmill/error.h"
-#include "eventmill/surface.h"
+#include "eventmill/surface_roots.h"
 #include "eventmill/vec.h"
 
 enum { EM_SCENE_NAME = 64, EM_SCENE_PATH = 1024 };
@@ -30,6 +30,7 @@ struct em_chamber {
   struct em_vec size; /* m, box */
   bool periodic[3];   /* box: x, y, z. Default: false */
   double rpm;         /* drum and its end walls turn about +y. Default: 0 */
+  int facets;         /* drum: flat sides around it instead of a round wall; 0: round. Default: 0 */
   double ramp_half;   /* rad, half width of the faked ramps' two sectors (top, bottom). Default: 0 */
   double ramp_tilt;   /* rad, by which their normal is turned against the ball's x motion */
 };
@@ -98,10 +99,10 @@ struct em_engine {
   enum em_lists lists;
   enum em_partition partition;
   enum em_accuracy accuracy;
-  enum em_quartic quartic; /* Default: safe */
   int slices;              /* for `slices`; 0: as many as fit, at most 26. Default: 0 */
   double skin;             /* for `neighbours`, in ball diameters; 0: chosen. Default: 0 */
   bool simd;               /* pair tests by vectors; same bits. Default: true */
+  struct em_roots roots;   /* Defaults: those of the accuracy level */
 };
 
 /* Remedies of spec section 4; each is off (0) unless asked for, and counted. */
@@ -153,6 +154,7 @@ struct em_scene {
   X(ELASTIC, "elastic-below")                                                  \
   X(JAM, "jam")                                                                \
   X(RAMPS, "ramps")                                                            \
+  X(FACETS, "facets")                                                          \
   X(TURNING, "turning-drum")                                                   \
   X(COLLISIONS, "collision-table")
 #define EM_EFFECT_ENUM(code, text) EM_EFFECT_BIT_##code,

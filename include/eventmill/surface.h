@@ -20,14 +20,18 @@
 enum em_tip { EM_TIP_LIST(EM_TIP_ENUM) EM_TIP_COUNT };
 #undef EM_TIP_ENUM
 
-/* How the drum's quartic is solved. */
-#define EM_QUARTIC_LIST(X)                                                     \
-  X(SAFE, "safe")       /* guaranteed Newton from below on a lower parabola */ \
-  X(FERRARI, "ferrari") /* closed form, one Newton step */                     \
-  X(BRACKET, "bracket") /* roots of the derivatives as brackets, bisection */
+/* How the drum's quartic is solved. Those before `ferrari` never miss a contact; the others are
+ * what the field uses, and the reference. */
+#define EM_QUARTIC_LIST(X)                                                               \
+  X(SAFE, "safe")                       /* guaranteed Newton from below on a parabola */ \
+  X(BRACKET, "bracket")                 /* roots of the derivatives as brackets */       \
+  X(FERRARI_NEWTON, "ferrari+newton")   /* closed form, one Newton step, checked */      \
+  X(FERRARI, "ferrari")                 /* closed form alone */                          \
+  X(GSL, "gsl")                         /* GSL's eigenvalues of the companion matrix */
 #define EM_QUARTIC_ENUM(code, text) EM_QUARTIC_##code,
 enum em_quartic { EM_QUARTIC_LIST(EM_QUARTIC_ENUM) EM_QUARTIC_COUNT };
 #undef EM_QUARTIC_ENUM
+enum { EM_QUARTIC_SURE = EM_QUARTIC_FERRARI };
 
 /* A blade: a bar through the rotor's axis that strikes on both sides.
  * At angle α its axis is e1 cos α + (axis × e1) sin α; for the axis +y, e1 = +z: angle 0 points up
@@ -69,11 +73,29 @@ double em_surface_plane(double gap, double rate, double fall, bool touched);
 double em_surface_drum(double px, double pz, double vx, double vz, double gx, double gz, double rho,
                        bool touched, enum em_quartic solver, double horizon);
 
+/* The same; the solver `safe` is content with a gap of `tolerance` (m). */
+double em_surface_drum_within(double px, double pz, double vx, double vz, double gx, double gz,
+                              double rho, bool touched, enum em_quartic solver, double tolerance,
+                              double horizon);
+
 /* A ball of radius R against a blade that stands at angle `angle` at t = 0. r is the ball's centre
  * in the frame of the scene. steps (may be NULL) is increased by the evaluations of the distance. */
 double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
                         struct em_vec g, double radius, double angle, bool touched, double horizon,
                         unsigned *steps);
+
+/* The same search, content with a gap or an overlap of `tolerance` (m; at least rounding). */
+double em_surface_blade_within(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                               struct em_vec g, double radius, double angle, bool touched,
+                               double horizon, double tolerance, unsigned *steps);
+
+/* The heuristic search of Reichardt 2005, 8.4, which may miss contacts: steps along the distance
+ * from a bar without ends (8-13) within (8-14), longer ones where it grows; where it changes its
+ * sign downwards, three Newton steps; a contact beyond the bar's end is dropped. `step`: the way of
+ * the ball against the end of the bar in one step, in ball diameters. */
+double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                              struct em_vec g, double radius, double angle, double horizon,
+                              double step, unsigned *steps);
 
 /* Distance (m) between the blade's surface and the ball's, negative when they overlap; for the tip
  * `none` the bar has no end. */

@@ -64,6 +64,11 @@ struct em_world {
   struct em_turning *blade;
   struct em_blade_tally *blade_tally;
   double drum_omega; /* rad/s */
+  uint32_t facets;   /* flat sides of the drum; 0: round */
+  struct em_vec *facet; /* their inward normals; NULL: none */
+  bool vectors;      /* pairs four at a time */
+  /* Knobs beyond the choice of a quartic's solver; the drum's may be facets. */
+  bool special_roots, special_drum, exact_pairs;
 
   double epoch_length; /* s, a power of two */
   uint64_t epoch;
@@ -108,6 +113,19 @@ const struct em_loop_kind *em_loop_avx2_find(unsigned flags);
 /* Moves all times back by one epoch and predicts everything anew: times stay small, and with them
  * their rounding. */
 bool em_body_next_epoch(struct em_world *world);
+
+/* When balls i and j touch, in the precision that engine.polish asks for; shift: of the periodic
+ * image, added to j − i. INFINITY: they don't. */
+double em_body_exact_pair(const struct em_world *world, uint32_t i, uint32_t j,
+                          struct em_vec shift);
+
+/* How long until ball i reaches the drum, where knobs or facets ask for more than
+ * em_surface_drum. */
+double em_body_special_drum(const struct em_world *world, uint32_t i, bool touched,
+                            double horizon);
+
+/* Inward normal of the facet that is nearest to x. */
+struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
 
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);

@@ -42,6 +42,8 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   if (w->trace[i].last == j && w->trace[j].last == i && a->t == b->t && c < 1e-3 * sigma * sigma)
     return INFINITY;
   if (c <= 0.0) return tr;
+  if (WITH(EXTRA) && w->exact_pairs)
+    return em_body_exact_pair(w, i, j, em_vec_make(dx - (xb - xa), dy - (yb - ya), dz - (zb - za)));
   const double disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
   if (disc < 0.0) return INFINITY;
   return tr + c / (sqrt(disc) - p);
@@ -126,7 +128,7 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
                               double now) {
   w->tally.candidates += n;
   if (!w->local_kind->keeps_all) {
-    struct em_prediction p = !w->scene->engine.simd ? FN(first_of)(w, i, id, n, now)
+    struct em_prediction p = !w->vectors ? FN(first_of)(w, i, id, n, now)
                              : w->body[i].t >= now  ? FN(first_of_four)(w, i, id, n, now, true)
                                                     : FN(first_of_four)(w, i, id, n, now, false);
     if (p.time == INFINITY) return true;
@@ -164,8 +166,11 @@ static bool FN(predict_drum)(struct em_world *w, uint32_t i, double h) {
   if (sure > 0.0 && b->x * b->x + b->z * b->z < s2 && qx * qx + qz * qz < s2) return true;
   const uint32_t code = EM_SURFACE + EM_WALL_DRUM;
   const double gx = WITH(GRAVITY) ? w->gravity.x : 0.0, gz = WITH(GRAVITY) ? w->gravity.z : 0.0;
-  const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, rho,
-                                    w->trace[i].last == code, w->scene->engine.quartic, h);
+  const bool touched = w->trace[i].last == code;
+  if (WITH(EXTRA) && w->special_drum)
+    return FN(enter_surface)(w, i, code, em_body_special_drum(w, i, touched, h));
+  const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, rho, touched,
+                                    w->scene->engine.roots.quartic, h);
   return FN(enter_surface)(w, i, code, dt);
 }
 
@@ -174,8 +179,11 @@ static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, dou
   if (gap > 0.0 && gap + rate * h - (WITH(GRAVITY) ? 0.5 * fabs(fall) * h * h : 0.0) > 0.0)
     return true;
   const uint32_t code = EM_SURFACE + wall;
-  const double dt =
-      em_surface_plane(gap, rate, WITH(GRAVITY) ? fall : 0.0, w->trace[i].last == code);
+  const bool touched = w->trace[i].last == code;
+  if (!WITH(GRAVITY)) fall = 0.0;
+  const double dt = WITH(EXTRA) && w->exact_pairs
+                        ? em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, touched)
+                        : em_surface_plane(gap, rate, fall, touched);
   return dt > h || FN(enter_surface)(w, i, code, dt);
 }
 
@@ -201,9 +209,13 @@ static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double
   const uint32_t code = EM_SURFACE_BLADE(k);
   const struct em_vec g = WITH(GRAVITY) ? w->gravity : (struct em_vec){0, 0, 0};
   unsigned steps = 0;
-  const double dt = em_surface_blade(&turning->blade, r, v, g, b->radius,
-                                     turning->blade.angle + turning->blade.omega * b->t,
-                                     w->trace[i].last == code, h, &steps);
+  const double angle = turning->blade.angle + turning->blade.omega * b->t;
+  const bool touched = w->trace[i].last == code;
+  const double dt =
+      w->special_roots
+          ? em_surface_roots_blade(&w->scene->engine.roots, &turning->blade, r, v, g, b->radius,
+                                   angle, touched, h, &steps)
+          : em_surface_blade(&turning->blade, r, v, g, b->radius, angle, touched, h, &steps);
   w->tally.blade_searches++;
   w->tally.blade_steps += steps;
   return FN(enter_surface)(w, i, code, dt);
@@ -394,6 +406,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
 static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_body *b) {
   const double rho = sqrt(b->x * b->x + b->z * b->z);
   struct em_vec e = {-b->x / rho, 0.0, -b->z / rho};
+  if (WITH(EXTRA) && w->facets) return em_body_facet(w, em_vec_make(b->x, b->y, b->z));
   if (WITH(EXTRA) && w->scene->chamber.ramp_tilt != 0.0 &&
       fabs(e.z) > cos(w->scene->chamber.ramp_half)) {
     const double side = (b->vx > 0.0) == (e.z > 0.0) ? -1.0 : 1.0;

@@ -19,7 +19,7 @@ static unsigned flags_of(unsigned effects) {
   if (effects & EM_EFFECT_ROTOR) flags |= EM_LOOP_ROTOR;
   if (effects & EM_EFFECT_PERIODIC) flags |= EM_LOOP_PERIODIC;
   if (effects & (EM_EFFECT_TC | EM_EFFECT_ELASTIC | EM_EFFECT_JAM | EM_EFFECT_RAMPS |
-                 EM_EFFECT_TURNING))
+                 EM_EFFECT_TURNING | EM_EFFECT_FACETS))
     flags |= EM_LOOP_EXTRA;
   return flags;
 }
@@ -30,6 +30,7 @@ static void set_chamber(struct em_world *w) {
   w->drum = c->shape == EM_SHAPE_DRUM;
   w->rho = 0.5 * c->diameter;
   w->drum_omega = c->rpm * M_PI / 30.0;
+  w->facets = w->drum ? (uint32_t)c->facets : 0;
   const struct em_vec extent = em_vec_sub(w->high, w->low);
   const double edge[3] = {extent.x, extent.y, extent.z};
   double period[3] = {0.0, 0.0, 0.0};
@@ -45,6 +46,26 @@ static void set_chamber(struct em_world *w) {
   w->per_period = em_vec_make(period[0] > 0.0 ? 1.0 / period[0] : 0.0,
                               period[1] > 0.0 ? 1.0 / period[1] : 0.0,
                               period[2] > 0.0 ? 1.0 / period[2] : 0.0);
+}
+
+static bool set_facets(struct em_world *w) {
+  if (w->facets == 0) return true;
+  w->facet = em_body_array(w->facets, sizeof *w->facet);
+  for (uint32_t k = 0; w->facet && k < w->facets; k++) {
+    const double angle = 2.0 * M_PI * k / w->facets;
+    w->facet[k] = em_vec_make(-sin(angle), 0.0, -cos(angle));
+  }
+  return w->facet;
+}
+
+/* How contact times are found; what goes beyond the fastest way is compiled with the remedies. */
+static unsigned set_roots(struct em_world *w) {
+  const struct em_engine *e = &w->scene->engine;
+  w->special_roots = em_surface_roots_special(&e->roots);
+  w->special_drum = w->special_roots || w->facets > 0;
+  w->exact_pairs = e->roots.polish != EM_POLISH_NONE;
+  w->vectors = e->simd && !w->exact_pairs;
+  return w->special_drum ? EM_LOOP_EXTRA : 0;
 }
 
 static void set_blade(struct em_turning *t, const struct em_blade *b) {
@@ -114,7 +135,8 @@ static enum em_status begin(struct em_world **world, const struct em_scene *scen
   w->gravity = scene->gravity;
   w->fall = em_vec_norm(scene->gravity);
   set_chamber(w);
-  if (!take_arrays(w, effects & EM_EFFECT_SPIN, effects & EM_EFFECT_MIXED) || !set_blades(w)) {
+  if (!take_arrays(w, effects & EM_EFFECT_SPIN, effects & EM_EFFECT_MIXED) || !set_blades(w) ||
+      !set_facets(w)) {
     em_world_free(w);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %zu balls", balls->count);
   }
@@ -126,7 +148,7 @@ static enum em_status begin(struct em_world **world, const struct em_scene *scen
 #else
       false;
 #endif
-  w->loop = em_loop_find(flags_of(effects), avx2);
+  w->loop = em_loop_find(flags_of(effects) | set_roots(w), avx2);
   if (!w->loop) {
     em_world_free(w);
     return em_error_set(err, EM_INPUT, scene->file, 0,
@@ -184,6 +206,7 @@ void em_world_free(struct em_world *w) {
   free(w->spin);
   free(w->mass);
   free(w->blade);
+  free(w->facet);
   free(w->blade_tally);
   free(w->observer);
   free(w);
@@ -333,7 +356,8 @@ static bool clear_of_walls(const struct em_world *w, uint32_t i, double toleranc
     const double depth = k & 1 ? at[k / 2] + r - high[k / 2] : low[k / 2] - (at[k / 2] - r);
     if (w->wall[k] && !(depth <= tolerance)) return fault(err, w, i, EM_SURFACE + k, depth);
   }
-  const double out = sqrt(x.x * x.x + x.z * x.z) + r - w->rho;
+  double out = sqrt(x.x * x.x + x.z * x.z) + r - w->rho;
+  if (w->facets) out = r - w->rho - em_vec_dot(em_body_facet(w, x), x);
   if (w->drum && !(out <= tolerance)) return fault(err, w, i, EM_SURFACE + EM_WALL_DRUM, out);
   for (uint32_t k = 0; k < w->blade_count; k++) {
     const struct em_blade *b = &w->blade[k].blade;

@@ -2,6 +2,7 @@
 #include "eventmill/surface.h"
 
 #include <float.h>
+#include <gsl/gsl_poly.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -113,9 +114,11 @@ static double rise_after(const double *a, double t) {
  *     q(t+s) ≤ q + q' s + ½ B s²,   B = q''(t) + ⅓ max(q''(T) − q''(t), 0).
  * The first root of that parabola is no later than that of q: stepping there never jumps over it.
  * T starts as a power-of-two multiple of a guess that is derived from the state and follows the
- * steps; the error then falls with its third power. Where steps stay short (double roots), or
+ * steps; the error then falls with its third power. The search ends where q reaches −floor (of a
+ * cubic: where t q does). Where steps stay short (double roots), or
  * rounding contradicts the bounds, brackets finish from t. */
-static double safe(const double *q, int degree, double guess, double horizon) {
+static inline __attribute__((always_inline)) double safe(const double *q, int degree, double guess,
+                                                         double floor, double horizon) {
   const double a[5] = {q[0], q[1], q[2], q[3], degree == 4 ? q[4] : 0.0};
   double top = guess, t = 0.0;
   struct jet end = jet_at(a, top);
@@ -124,7 +127,7 @@ static double safe(const double *q, int degree, double guess, double horizon) {
   for (int step = 0;; step++) {
     if (t > horizon) return INFINITY;
     const struct jet here = jet_at(a, t);
-    if (here.value >= 0.0 && step > 0) return t;
+    if (here.value >= (floor > 0.0 ? -floor / (degree == 4 ? 1.0 : t) : 0.0) && step > 0) return t;
     const double rest = end.bend - here.bend;
     const double bend = fmax(here.bend + fmax(rest, 0.0) / 3.0, 0.0);
     const double root = sqrt(here.slope * here.slope - 2.0 * bend * here.value);
@@ -164,38 +167,79 @@ static bool is_root(const double *q, int degree, double x) {
   return fabs(value) <= 4.0 * DBL_EPSILON * size;
 }
 
-/* The first rise of q by closed form and one Newton step. Where both ends of the polynomial are
- * small, or roots close together, closed forms lose half of the digits or more: brackets then. */
-static double ferrari(const double *q, int degree, double guess) {
+/* All real roots by closed form; the polynomial is turned round where that is better scaled.
+ * small: are both ends so small that closed forms lose their digits? */
+static int closed_form(const double *q, int degree, double guess, double root[4], bool *small) {
   double high = fabs(q[degree]), middle = 0.0, scale = 1.0;
   for (int k = 1; k < degree; k++) {
     scale *= guess;
     middle = fmax(middle, fabs(q[k]) * scale);
   }
   high *= scale * guess;
-  if (fmax(fabs(q[0]), high) < 1e-3 * middle) return em_poly_first_rise(q, degree);
-  double a[5], root[4];
+  *small = fmax(fabs(q[0]), high) < 1e-3 * middle;
+  double a[5];
   const bool turn = fabs(q[0]) > high;
   for (int k = 0; k <= degree; k++)
     a[k] = turn ? q[degree - k] : q[k];
   const int count = degree == 4 ? em_poly_quartic(a, root) : em_poly_cubic(a, root);
-  double best = INFINITY;
-  for (int k = 0; k < count; k++) {
-    const double x = turn ? 1.0 / root[k] : root[k];
-    if (x > 0.0 && x < best) best = fmin(best, newton(q, degree, x));
-  }
+  for (int k = 0; turn && k < count; k++)
+    root[k] = 1.0 / root[k];
+  return count;
+}
+
+/* The first rise of q by closed form and one Newton step. Where both ends of the polynomial are
+ * small, or roots close together, closed forms lose half of the digits or more: brackets then. */
+static double ferrari_newton(const double *q, int degree, double guess) {
+  double root[4], best = INFINITY;
+  bool small;
+  const int count = closed_form(q, degree, guess, root, &small);
+  if (small) return em_poly_first_rise(q, degree);
+  for (int k = 0; k < count; k++)
+    if (root[k] > 0.0 && root[k] < best) best = fmin(best, newton(q, degree, root[k]));
   const bool sound = best < INFINITY && is_root(q, degree, best);
   return sound ? best : em_poly_first_rise(q, degree);
 }
 
-static double solve(const double *q, int degree, double guess, enum em_quartic solver,
+/* The smallest of the positive roots at which q rises. */
+static double first_of(const double *q, int degree, const double *root, int count) {
+  double best = INFINITY;
+  for (int k = 0; k < count; k++)
+    if (root[k] > 0.0 && root[k] < best && newton(q, degree, root[k]) < INFINITY) best = root[k];
+  return best;
+}
+
+static double ferrari(const double *q, int degree, double guess) {
+  double root[4];
+  bool small;
+  return first_of(q, degree, root, closed_form(q, degree, guess, root, &small));
+}
+
+/* The eigenvalues of the companion matrix, which has its place on the stack. Those that are real up
+ * to the rounding of a double root count. */
+static double companion(const double *q, int degree) {
+  double matrix[16], z[8], root[4];
+  gsl_poly_complex_workspace space = {(size_t)degree, matrix};
+  if (gsl_poly_complex_solve(q, (size_t)degree + 1, &space, z) != 0)
+    return em_poly_first_rise(q, degree);
+  int count = 0;
+  for (int k = 0; k < degree; k++)
+    if (fabs(z[2 * k + 1]) <= 1e-8 * fabs(z[2 * k])) root[count++] = z[2 * k];
+  return first_of(q, degree, root, count);
+}
+
+static inline __attribute__((always_inline)) double solve(const double *q, int degree, double guess, enum em_quartic solver, double floor,
                     double horizon) {
   if (is_far(q, degree, horizon)) return INFINITY;
   switch (solver) {
   case EM_QUARTIC_SAFE:
-    return safe(q, degree, guess, horizon);
+    return floor > 0.0 ? safe(q, degree, guess, floor, horizon)
+                       : safe(q, degree, guess, 0.0, horizon);
+  case EM_QUARTIC_FERRARI_NEWTON:
+    return ferrari_newton(q, degree, guess);
   case EM_QUARTIC_FERRARI:
     return ferrari(q, degree, guess);
+  case EM_QUARTIC_GSL:
+    return companion(q, degree);
   case EM_QUARTIC_BRACKET:
   case EM_QUARTIC_COUNT:
     break;
@@ -203,8 +247,10 @@ static double solve(const double *q, int degree, double guess, enum em_quartic s
   return em_poly_first_rise(q, degree);
 }
 
-double em_surface_drum(double px, double pz, double vx, double vz, double gx, double gz, double rho,
-                       bool touched, enum em_quartic solver, double horizon) {
+static inline __attribute__((always_inline)) double drum(double px, double pz, double vx, double vz,
+                                                         double gx, double gz, double rho,
+                                                         bool touched, enum em_quartic solver,
+                                                         double tolerance, double horizon) {
   const double g2 = gx * gx + gz * gz, v2 = vx * vx + vz * vz;
   const double b = px * vx + pz * vz, q0 = (px * px + pz * pz) - rho * rho;
   if (g2 == 0.0) {
@@ -215,12 +261,24 @@ double em_surface_drum(double px, double pz, double vx, double vz, double gx, do
   if ((touched || q0 >= 0.0) && b > 0.0) return 0.0;
   /* Without gravity the ball would be out by then; with it alone, by the other. */
   const double guess = 1.2 * fmin(2.0 * rho / sqrt(v2), 2.0 * sqrt(rho / sqrt(g2)));
+  const double floor = 2.0 * rho * tolerance;
   double t;
   if (touched)
-    t = b == 0.0 && q[2] >= 0.0 ? 0.0 : solve(q + 1, 3, guess, solver, horizon);
+    t = b == 0.0 && q[2] >= 0.0 ? 0.0 : solve(q + 1, 3, guess, solver, floor, horizon);
   else if (q0 >= 0.0)
     t = em_poly_first_rise(q, 4);
   else
-    t = solve(q, 4, guess, solver, horizon);
+    t = solve(q, 4, guess, solver, floor, horizon);
   return t <= horizon ? t : INFINITY;
+}
+
+double em_surface_drum(double px, double pz, double vx, double vz, double gx, double gz, double rho,
+                       bool touched, enum em_quartic solver, double horizon) {
+  return drum(px, pz, vx, vz, gx, gz, rho, touched, solver, 0.0, horizon);
+}
+
+double em_surface_drum_within(double px, double pz, double vx, double vz, double gx, double gz,
+                              double rho, bool touched, enum em_quartic solver, double tolerance,
+                              double horizon) {
+  return drum(px, pz, vx, vz, gx, gz, rho, touched, solver, tolerance, horizon);
 }

@@ -273,23 +273,97 @@ static bool is_aside(const struct em_blade *blade, struct em_vec r, struct em_ve
   return off > 1e-9 * radius && off + way > 1e-9 * radius;
 }
 
-double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
-                        struct em_vec g, double radius, double angle, bool touched, double horizon,
-                        unsigned *steps) {
+static void set_motion(struct search *s, const struct em_blade *blade, struct em_vec v,
+                       struct em_vec g) {
+  const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
+  s->vu = em_vec_dot(v, blade->e1);
+  s->vw = em_vec_dot(v, e2);
+  s->vy = em_vec_dot(v, blade->axis);
+  s->gu = em_vec_dot(g, blade->e1);
+  s->gw = em_vec_dot(g, e2);
+  s->gy = em_vec_dot(g, blade->axis);
+  s->fall = em_vec_norm(g);
+}
+
+double em_surface_blade_within(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                               struct em_vec g, double radius, double angle, bool touched,
+                               double horizon, double tolerance, unsigned *steps) {
   if (is_aside(blade, r, v, g, radius, horizon)) return INFINITY;
   struct search s = prepare(blade, r, radius, angle);
-  const struct em_vec e2 = em_vec_cross(blade->axis, blade->e1);
-  s.vu = em_vec_dot(v, blade->e1);
-  s.vw = em_vec_dot(v, e2);
-  s.vy = em_vec_dot(v, blade->axis);
-  s.gu = em_vec_dot(g, blade->e1);
-  s.gw = em_vec_dot(g, e2);
-  s.gy = em_vec_dot(g, blade->axis);
-  s.fall = em_vec_norm(g);
+  s.tolerance = fmax(s.tolerance, tolerance);
+  set_motion(&s, blade, v, g);
   unsigned count = 0;
   const double t = walk(&s, touched, horizon, &count);
   if (steps != NULL) *steps += count;
   return t;
+}
+
+double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                        struct em_vec g, double radius, double angle, bool touched, double horizon,
+                        unsigned *steps) {
+  return em_surface_blade_within(blade, r, v, g, radius, angle, touched, horizon, 0.0, steps);
+}
+
+/* (8-13): distance of the ball from the bar without ends. */
+static struct gap endless(const struct search *s, double t, double *x) {
+  const struct place p = place_at(s, t);
+  const struct turned q = turn(s, &p, t);
+  *x = q.x;
+  return (struct gap){q.rho - (s->a + s->radius), q.drho};
+}
+
+/* (8-14): when the ball is within the bar's slice, on a straight path along the axis. */
+static void slice_times(const struct search *s, double horizon, double *from, double *to) {
+  const double wide = s->a + s->radius;
+  *from = 0.0;
+  *to = horizon;
+  if (s->gy != 0.0) return;
+  if (s->vy == 0.0) {
+    if (fabs(s->py) > wide) *to = -1.0;
+    return;
+  }
+  const double t1 = (-wide - s->py) / s->vy, t2 = (wide - s->py) / s->vy;
+  *from = fmax(*from, fmin(t1, t2));
+  *to = fmin(*to, fmax(t1, t2));
+}
+
+double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, struct em_vec v,
+                              struct em_vec g, double radius, double angle, double horizon,
+                              double step, unsigned *steps) {
+  struct search s = prepare(blade, r, radius, angle);
+  set_motion(&s, blade, v, g);
+  const struct place start = place_at(&s, 0.0);
+  double from, to, x;
+  slice_times(&s, fmin(horizon, gone(&s, &start)), &from, &to);
+  const double least = step * 2.0 * radius / (em_vec_norm(v) + fabs(s.omega) * s.reach);
+  if (!(from <= to) || !(least > 0.0) || !(to < INFINITY)) return INFINITY;
+  struct gap f = endless(&s, from, &x);
+  double t = from, dt = least;
+  unsigned count = 1;
+  while (t < to) {
+    const double next = fmin(t + dt, to);
+    const struct gap g1 = endless(&s, next, &x);
+    count++;
+    /* Out of the bar: it was inside by a fault of its place, and is let go. */
+    if (f.value < 0.0 && g1.value >= 0.0) break;
+    if (f.value >= 0.0 && g1.value < 0.0) {
+      double root = 0.5 * (t + next);
+      for (int k = 0; k < 3; k++) {
+        const struct gap h = endless(&s, root, &x);
+        count++;
+        if (h.rate != 0.0) root -= h.value / h.rate;
+      }
+      (void)endless(&s, root, &x);
+      if (steps != NULL) *steps += count;
+      return root > 0.0 && root <= horizon && x <= s.reach ? root : INFINITY;
+    }
+    dt = g1.value > f.value ? fmin(2.0 * dt, 8.0 * least) : fmax(0.5 * dt, least);
+    t = next;
+    f = g1;
+    if (next >= to) break;
+  }
+  if (steps != NULL) *steps += count;
+  return INFINITY;
 }
 
 double em_surface_blade_gap(const struct em_blade *blade, struct em_vec r, double radius,

@@ -221,6 +221,7 @@ unsigned em_scene_effects(const struct em_scene *scene) {
       [EM_EFFECT_BIT_ELASTIC] = scene->remedy.elastic_below > 0.0,
       [EM_EFFECT_BIT_JAM] = scene->remedy.jam_after > 0,
       [EM_EFFECT_BIT_RAMPS] = drum && c->ramp_half > 0.0 && c->ramp_tilt != 0.0,
+      [EM_EFFECT_BIT_FACETS] = drum && c->facets > 0,
       [EM_EFFECT_BIT_TURNING] = drum && c->rpm != 0.0,
       [EM_EFFECT_BIT_COLLISIONS] = scene->record.collisions,
   };

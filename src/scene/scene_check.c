@@ -197,8 +197,19 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
                          s->diameter);
 }
 
+static void check_facets(struct em_scene_report *report, const struct em_chamber *c) {
+  if (c->facets == 0) return;
+  if (c->facets < 3)
+    em_scene_report_path(report, "chamber.facets", "found %d, expected 0 or at least 3", c->facets);
+  if (c->rpm != 0.0 || c->ramp_half != 0.0)
+    em_scene_report_path(report, "chamber.facets",
+                         "a drum with facets neither turns nor has ramps, expected one of these "
+                         "alone");
+}
+
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
   size_t before = report->errors;
+  check_facets(report, &scene->chamber);
   for (size_t k = 0; k < scene->species_count; ++k)
     check_diameter(report, scene, k);
   /* Balls that are far too large would find fault with every blade. */

@@ -303,6 +303,7 @@ static void match_shape(struct em_scene_report *report, const config_setting_t *
     enum em_shape shape;
     bool needed;
   } belongs[] = {{"diameter", EM_SHAPE_DRUM, true}, {"length", EM_SHAPE_DRUM, true},
+                 {"facets", EM_SHAPE_DRUM, false},
                  {"rpm", EM_SHAPE_DRUM, false},     {"ramps", EM_SHAPE_DRUM, false},
                  {"size", EM_SHAPE_BOX, true},      {"periodic", EM_SHAPE_BOX, false}};
   for (size_t k = 0; k < sizeof belongs / sizeof belongs[0]; ++k) {
@@ -344,6 +345,27 @@ static void fill_plain(struct em_scene_report *report, const struct em_scene_tab
   em_scene_fill_group(report, table, config_lookup(report->tree, table->path), out);
 }
 
+/* The levels of accuracy: docs/accuracy.md has what each costs. */
+static const struct em_roots levels[EM_ACCURACY_COUNT] = {
+    [EM_ACCURACY_STANDARD] = {.blade_step = 0.1},
+    [EM_ACCURACY_FAST] = {.blade_step = 0.1, .tolerance = 1e-6},
+    [EM_ACCURACY_REFERENCE] = {.blade_step = 0.1, .polish = EM_POLISH_QUAD},
+};
+
+/* Entries that the scene does not give follow from its level of accuracy. */
+static void fill_accuracy(const struct em_scene_report *report, struct em_engine *engine) {
+  const config_setting_t *group = config_lookup(report->tree, "engine");
+  const bool is_group = group && config_setting_is_group(group);
+  const size_t first = offsetof(struct em_engine, roots);
+  for (size_t k = 0; k < em_scene_table_engine.count; ++k) {
+    const struct em_scene_entry *entry = &em_scene_table_engine.entry[k];
+    if (entry->offset < first || entry->offset >= first + sizeof engine->roots) continue;
+    if (is_group && config_setting_get_member(group, entry->name)) continue;
+    memcpy((char *)engine + entry->offset,
+           (const char *)&levels[engine->accuracy] + (entry->offset - first), entry->size);
+  }
+}
+
 void em_scene_fill_all(struct em_scene_report *report, struct em_scene *scene) {
   em_scene_fill_group(report, &em_scene_table_top, config_root_setting(report->tree), scene);
   fill_gravity(report, scene);
@@ -352,6 +374,7 @@ void em_scene_fill_all(struct em_scene_report *report, struct em_scene *scene) {
   em_scene_fill_species(report, scene);
   em_scene_fill_contacts(report, scene);
   fill_plain(report, &em_scene_table_engine, &scene->engine);
+  fill_accuracy(report, &scene->engine);
   scene->remedy.jam_after = -1; /* decided when the scene is complete */
   fill_plain(report, &em_scene_table_remedy, &scene->remedy);
   fill_plain(report, &em_scene_table_record, &scene->record);

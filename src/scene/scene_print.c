@@ -141,7 +141,7 @@ static void put_table(FILE *out, int depth, const struct em_scene_table *table, 
 
 static void put_chamber(FILE *out, const struct em_chamber *c) {
   static const char *const not_drum[] = {"size", NULL};
-  static const char *const not_box[] = {"diameter", "length", "rpm", NULL};
+  static const char *const not_box[] = {"diameter", "length", "rpm", "facets", NULL};
   fputs("chamber = {\n", out);
   put_table(out, 1, &em_scene_table_chamber, c, c->shape == EM_SHAPE_DRUM ? not_drum : not_box);
   if (c->shape == EM_SHAPE_DRUM) {

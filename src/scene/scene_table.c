@@ -13,6 +13,8 @@ static const char *const lists[] = {EM_LISTS_LIST(SPELLING) NULL};
 static const char *const partitions[] = {EM_PARTITION_LIST(SPELLING) NULL};
 static const char *const accuracies[] = {EM_ACCURACY_LIST(SPELLING) NULL};
 static const char *const quartics[] = {EM_QUARTIC_LIST(SPELLING) NULL};
+static const char *const searches[] = {EM_SEARCH_LIST(SPELLING) NULL};
+static const char *const polishes[] = {EM_POLISH_LIST(SPELLING) NULL};
 static const char *const tips[] = {EM_TIP_LIST(SPELLING) NULL};
 static const char *const rules[] = {EM_RULE_LIST(SPELLING) NULL};
 const char *const em_scene_table_classes[] = {EM_CLASS_LIST(SPELLING) NULL};
@@ -59,6 +61,8 @@ static const struct em_scene_entry chamber[] = {
      "of the box: true, false, or one of these for each of x, y, z"},
     {"rpm", EM_KIND_REAL, AT(em_chamber, rpm), "0", ANY, "1/min",
      "of the drum and its end walls about +y"},
+    {"facets", EM_KIND_INTEGER, AT(em_chamber, facets), "0", RANGE(0, 100000), "",
+     "flat sides that touch the drum from outside, instead of its round wall; at least 3; 0: round"},
     {"ramps", EM_KIND_SPECIAL, NOWHERE, NULL, ANY, "",
      "group: two sectors of the drum with a turned normal (the reference's ramps)"},
 };
@@ -173,9 +177,23 @@ static const struct em_scene_entry engine[] = {
     {"partition", EM_KIND_NAME, AT(em_engine, partition), "neighbours", ONE_OF(partitions), "",
      "how a ball's possible partners are found"},
     {"accuracy", EM_KIND_NAME, AT(em_engine, accuracy), "standard", ONE_OF(accuracies), "",
-     "of event times"},
-    {"quartic", EM_KIND_NAME, AT(em_engine, quartic), "safe", ONE_OF(quartics), "",
-     "solver for the drum with gravity"},
+     "a set of the entries from quartic to polish, as far as the scene does not give them"},
+    {"quartic", EM_KIND_NAME, AT(em_engine, roots.quartic), "safe", ONE_OF(quartics), "",
+     "solver for the drum with gravity; the first three never miss a contact"},
+    {"blade", EM_KIND_NAME, AT(em_engine, roots.blade), "safe", ONE_OF(searches), "",
+     "search for contacts with blades; steps: the reference's heuristic, which may miss some and "
+     "knows no tips"},
+    {"blade_step", EM_KIND_REAL, AT(em_engine, roots.blade_step), "0.1", ABOVE(0), "ball diameters",
+     "for blade \"steps\": way against the bar's end in one step"},
+    {"tolerance", EM_KIND_REAL, AT(em_engine, roots.tolerance), "0", RANGE(0, 0.1),
+     "ball diameters",
+     "gap with which searches for contacts with drum (quartic \"safe\") and blades are content; 0: "
+     "rounding; 1e-6 for accuracy \"fast\""},
+    {"shortcut", EM_KIND_REAL, AT(em_engine, roots.shortcut), "0", RANGE(0, 100), "ball diameters",
+     "so near to the drum, fast balls are taken to fly straight (the reference's shortcut); 0: off"},
+    {"polish", EM_KIND_NAME, AT(em_engine, roots.polish), "none", ONE_OF(polishes), "",
+     "precision in which contact times are finished: double, 64 or 113 bits; \"quad\" for accuracy "
+     "\"reference\""},
     {"slices", EM_KIND_INTEGER, AT(em_engine, slices), "0", RANGE(0, 1e6), "",
      "for partition \"slices\"; 0: as many as fit, at most 26"},
     {"skin", EM_KIND_REAL, AT(em_engine, skin), "0", RANGE(0, 100), "ball diameters",

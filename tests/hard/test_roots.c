@@ -96,7 +96,7 @@ static void grazing_in_world(void **state) {
 }
 
 static void worst_of(struct tally *worst, const struct tally *each) {
-  for (int k = 0; k < EM_QUARTIC_COUNT; k++) {
+  for (int k = 0; k < EM_QUARTIC_SURE; k++) {
     worst->worst_place = fmax(worst->worst_place, each[k].worst_place);
     worst->grazes += each[k].grazes;
   }
@@ -107,7 +107,7 @@ static void worst_of(struct tally *worst, const struct tally *each) {
 static void touching_apex(void **state) {
   (void)state;
   srand48(103);
-  struct tally each[EM_QUARTIC_COUNT] = {0}, worst = {0};
+  struct tally each[EM_QUARTIC_SURE] = {0}, worst = {0};
   const uint64_t tries = TRIES(5000, 1e6);
   for (uint64_t n = 0; n < tries; n++) {
     drum = (struct drum){.rho = spread(1e-2, 1.0)};
@@ -131,7 +131,7 @@ static void touching_apex(void **state) {
 static void many_orders(void **state) {
   (void)state;
   srand48(104);
-  struct tally each[EM_QUARTIC_COUNT] = {0}, worst = {0};
+  struct tally each[EM_QUARTIC_SURE] = {0}, worst = {0};
   const uint64_t tries = TRIES(5000, 1e6);
   for (uint64_t n = 0; n < tries; n++) {
     drum = (struct drum){.rho = spread(1e-6, 1e6)};

@@ -62,7 +62,7 @@ static void test_others(void **state) {
   (void)state;
   watch("geometries/two-rotors.cfg", "balls.count=2000");
   watch("geometries/ideal-gas-gravity.cfg", "");
-  watch("geometries/ideal-gas-gravity.cfg", "engine.quartic=ferrari");
+  watch("geometries/ideal-gas-gravity.cfg", "engine.quartic=ferrari+newton");
   watch("geometries/ideal-gas-gravity.cfg", "engine.quartic=bracket");
   watch("geometries/ideal-gas.cfg", "balls.count=3500");
 }

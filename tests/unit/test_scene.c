@@ -58,7 +58,7 @@ static void defaults_of_all_entries(void **state) {
   assert_int_equal(s->engine.lists, EM_LISTS_CALENDAR);
   assert_int_equal(s->engine.partition, EM_PARTITION_NEIGHBOURS);
   assert_int_equal(s->engine.accuracy, EM_ACCURACY_STANDARD);
-  assert_int_equal(s->engine.quartic, EM_QUARTIC_SAFE);
+  assert_int_equal(s->engine.roots.quartic, EM_QUARTIC_SAFE);
   assert_true(s->engine.slices == 0 && s->engine.skin == 0.0 && s->engine.simd);
   assert_true(s->remedy.tc == 0.0 && s->remedy.elastic_below == 0.0);
   assert_int_equal(s->remedy.jam_after, 0);
@@ -261,6 +261,8 @@ static void round_trip(const struct em_scene *s) {
     assert_memory_equal(a->normal.p, b->normal.p, sizeof a->normal.p);
   }
   assert_true(s->engine.skin == again->engine.skin && s->engine.slices == again->engine.slices);
+  assert_memory_equal(&s->engine.roots, &again->engine.roots, sizeof s->engine.roots);
+  assert_true(s->chamber.facets == again->chamber.facets);
   assert_true(s->engine.lists == again->engine.lists && s->engine.simd == again->engine.simd);
   assert_true(s->remedy.tc == again->remedy.tc && s->remedy.jam_after == again->remedy.jam_after);
   assert_int_equal(s->remedy.collapse_after, again->remedy.collapse_after);

@@ -281,7 +281,7 @@ static void drum_horizon(enum em_quartic solver, double t) {
 static void drum_check(struct tally *tally) {
   drum_reference();
   const bool gravity = drum.gx != 0.0 || drum.gz != 0.0;
-  for (int k = 0; k < (gravity ? EM_QUARTIC_COUNT : 1); k++) {
+  for (int k = 0; k < (gravity ? EM_QUARTIC_SURE : 1); k++) {
     const double t = drum_time((enum em_quartic)k, INFINITY);
     verify(t, drum_size, drum.touched, &tally[k]);
     if (t < INFINITY) drum_horizon((enum em_quartic)k, t);
@@ -313,7 +313,7 @@ static void aim(double speed, double fall) {
 static void drums_as_in_a_mill(void **state) {
   (void)state;
   srand48(5);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES; n++) {
     drum = (struct drum){.rho = 0.0705};
     place(sqrt(drand48()) * (1.0 - 1e-12));
@@ -321,14 +321,14 @@ static void drums_as_in_a_mill(void **state) {
     drum.gz = -9.81;
     drum_check(tally);
   }
-  drum_report("drum", tally, EM_QUARTIC_COUNT);
+  drum_report("drum", tally, EM_QUARTIC_SURE);
 }
 
 /* Sizes, speeds and gravity over many orders of magnitude; close to the wall; at rest. */
 static void drums_extreme(void **state) {
   (void)state;
   srand48(6);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES; n++) {
     drum = (struct drum){.rho = spread(1e-3, 10.0)};
     place(n % 3 ? sqrt(drand48()) * 0.999 : 1.0 - spread(1e-15, 1e-3));
@@ -336,13 +336,13 @@ static void drums_extreme(void **state) {
     if (hypot(drum.px, drum.pz) >= drum.rho) continue;
     drum_check(tally);
   }
-  drum_report("drum, extreme", tally, EM_QUARTIC_COUNT);
+  drum_report("drum, extreme", tally, EM_QUARTIC_SURE);
 }
 
 static void drums_without_gravity(void **state) {
   (void)state;
   srand48(7);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES; n++) {
     drum = (struct drum){.rho = spread(1e-3, 10.0), .touched = n % 4 == 3};
     place(drum.touched ? 1.0 : n % 4 ? sqrt(drand48()) * 0.999 : 1.0 - spread(1e-15, 1e-3));
@@ -358,7 +358,7 @@ static void drums_without_gravity(void **state) {
 static void drums_touched(void **state) {
   (void)state;
   srand48(8);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES; n++) {
     drum = (struct drum){.rho = spread(1e-3, 10.0), .touched = true};
     place(1.0 + (n % 5 - 2) * DBL_EPSILON);
@@ -371,7 +371,7 @@ static void drums_touched(void **state) {
     if (drum.px * drum.vx + drum.pz * drum.vz >= 0.0) continue;
     drum_check(tally);
   }
-  drum_report("drum, touched", tally, EM_QUARTIC_COUNT);
+  drum_report("drum, touched", tally, EM_QUARTIC_SURE);
   drum.vx = drum.px;
   drum.vz = drum.pz;
   assert_true(drum_time(EM_QUARTIC_SAFE, INFINITY) == 0.0);
@@ -381,19 +381,19 @@ static void drums_touched(void **state) {
 static void drums_outside(void **state) {
   (void)state;
   srand48(9);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES / 4; n++) {
     drum = (struct drum){.rho = spread(1e-3, 10.0)};
     place(1.0 + spread(1e-15, 1e-12));
     aim(spread(1e-3, 1e2), n % 3 ? spread(1e-9, 1e4) : 0.0);
     if (hypot(drum.px, drum.pz) <= drum.rho) continue;
     if (drum.px * drum.vx + drum.pz * drum.vz > 0.0)
-      for (int k = 0; k < EM_QUARTIC_COUNT; k++)
+      for (int k = 0; k < EM_QUARTIC_SURE; k++)
         assert_true(drum_time((enum em_quartic)k, INFINITY) == 0.0);
     else
       drum_check(tally);
   }
-  drum_report("drum, outside by rounding", tally, EM_QUARTIC_COUNT);
+  drum_report("drum, outside by rounding", tally, EM_QUARTIC_SURE);
 }
 
 /* The apex of the path touches the top of the drum from inside, up to 1e-16 … 1e-12: roots that
@@ -401,7 +401,7 @@ static void drums_outside(void **state) {
 static void drums_apex(void **state) {
   (void)state;
   srand48(10);
-  struct tally tally[EM_QUARTIC_COUNT] = {0};
+  struct tally tally[EM_QUARTIC_SURE] = {0};
   for (int n = 0; n < CASES; n++) {
     drum = (struct drum){.rho = spread(1e-2, 1.0)};
     const double fall = spread(1e-2, 1e2),
@@ -416,7 +416,7 @@ static void drums_apex(void **state) {
     if (hypot(drum.px, drum.pz) >= drum.rho) continue;
     drum_check(tally);
   }
-  drum_report("drum, apex at the wall", tally, EM_QUARTIC_COUNT);
+  drum_report("drum, apex at the wall", tally, EM_QUARTIC_SURE);
 }
 
 /* The weightless limit is approached continuously. */
@@ -430,7 +430,7 @@ static void drums_weightless(void **state) {
     const double limit = drum_time(EM_QUARTIC_SAFE, INFINITY);
     for (double fall = 1e-30; fall < 1e-3; fall *= 10.0) {
       drum.gz = -fall;
-      for (int k = 0; k < EM_QUARTIC_COUNT; k++) {
+      for (int k = 0; k < EM_QUARTIC_SURE; k++) {
         const double t = drum_time((enum em_quartic)k, INFINITY);
         assert_true(fabs(t - limit) < 2e-2 * fall + 4e-15);
       }
