@@ -37,7 +37,7 @@ column() { # FILE KEY
     { print $at }' "$1"
 }
 
-few=("$mill" balls.count=40,60 rotor.rpm=900:300:1500 duration=0.06)
+few=("$mill" "balls.count=40,60" rotor.rpm=900:300:1500 duration=0.06)
 
 # ---------------------------------------------------------------- usage
 expect 2 "no scene" "no scene" "$sweep" -o a
