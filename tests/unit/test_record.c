@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "eventmill/xdmf.h"
 #include "run_digest.h"
 
 enum { FLIPS = 500, CUTS = 60 };
@@ -157,7 +158,7 @@ static void absent_effects_leave_no_trace(void **state) {
   assert_int_equal(record(scene, path, false, &summary, &err), EM_OK);
   em_scene_free(scene);
   struct em_run_file *file = NULL;
-  assert_int_equal(em_run_file_open(&file, path, &err), EM_OK);
+  if (em_run_file_open(&file, path, &err)) fail_msg("%s", err.text);
   assert_int_equal(em_run_file_frame_count(file), 0);
   assert_false(em_run_file_has_rows(file));
   assert_true(em_run_file_has(file, "kinetic_energy"));
@@ -336,6 +337,49 @@ static void foreign_files_are_refused(void **state) {
   assert_true(strstr(err.text, "foreign: error: is not an HDF5 file"));
 }
 
+/* ---------------------------------------------------------------- sidecar */
+
+static size_t count_of(const char *text, const char *word) {
+  size_t count = 0;
+  for (const char *at = strstr(text, word); at; at = strstr(at + 1, word))
+    count++;
+  return count;
+}
+
+static char *sidecar(const struct em_run_file *file, enum em_xdmf_form form) {
+  struct em_error err = {0};
+  const char *path = path_of("run.xmf");
+  size_t size;
+  assert_int_equal(em_xdmf_write(file, path, form, &err), EM_OK);
+  char *text = (char *)read_file(path, &size);
+  text = realloc(text, size + 1);
+  text[size] = '\0';
+  return text;
+}
+
+/* Every frame names its own rows of the datasets. */
+static void sidecars_name_every_frame(void **state) {
+  (void)state;
+  const char *path = path_of("side.h5");
+  char whole[512];
+  record_digest(path, NULL, false);
+  struct em_run_file *file = NULL;
+  struct em_error err = {0};
+  assert_int_equal(em_run_file_open(&file, path, &err), EM_OK);
+  char *text = sidecar(file, EM_XDMF_HYPERSLAB);
+  assert_int_equal(count_of(text, "<Grid Name=\"frame "), 13);
+  assert_int_equal(count_of(text, "</Grid>"), 14);
+  assert_int_equal(count_of(text, ">12 0 0 1 1 1 1 150 3<"), 3); /* place, velocity, spin */
+  assert_int_equal(count_of(text, ">side.h5:/particles/balls/position/value<"), 13);
+  free(text);
+  text = sidecar(file, EM_XDMF_SELECTION);
+  snprintf(whole, sizeof whole, ">%s:/particles/balls/velocity/value|7 0 0:1 1 1:1 150 3:13 150 3<",
+           path);
+  assert_int_equal(count_of(text, whole), 1);
+  free(text);
+  em_run_file_close(file);
+}
+
 static int remove_folder(void **state) {
   (void)state;
   digest_folder_remove();
@@ -354,6 +398,7 @@ int main(void) {
       cmocka_unit_test(truncated_files_are_refused),
       cmocka_unit_test(flipped_bits_do_no_harm),
       cmocka_unit_test(foreign_files_are_refused),
+      cmocka_unit_test(sidecars_name_every_frame),
   };
   return cmocka_run_group_tests(tests, NULL, remove_folder);
 }
