@@ -9,7 +9,7 @@
 
 /* Ball-ball collisions per ball: until the start is forgotten, between two samples of the same
  * balls, and within one window of collisions. */
-static const double SETTLE = 30.0, APART = 10.0, WITHIN = 0.2;
+static const double SETTLE = 30.0, APART = 12.0, WITHIN = 0.2;
 
 /* Decay times of the longest density wave between two frames whose waves are taken. */
 static const double WAVES = 2.0;
