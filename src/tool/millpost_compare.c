@@ -103,7 +103,7 @@ static enum em_status draw(const struct em_figures *f, char label[][96], int run
   char subtitle[160];
   size_t count = 0;
   for (int h = 0; h < HEADLINES; h++) {
-    const int k = headlines[h].kind;
+    const int k = (int)headlines[h].kind;
     const double base = f[0].value[k].value;
     if (!is_known(f, runs, k) || !(fabs(base) > 0.0)) continue;
     name[count] = headlines[h].name;
