@@ -8,6 +8,7 @@
 
 #include "eventmill/contact.h"
 #include "eventmill/error.h"
+#include "eventmill/precision.h"
 #include "eventmill/run_file.h"
 #include "eventmill/scene.h"
 
@@ -26,6 +27,12 @@ struct em_recorder_options {
   const volatile sig_atomic_t *stop; /* non-zero: end with a checkpoint. May be NULL */
   void (*progress)(void *self, const struct em_recorder_progress *progress); /* may be NULL */
   void *self;
+  /* Ends before the duration is over when all of these are reached, at the end of a block of the
+   * histogram; judged at a level of 95 %, over the steady part. Its intervals go to `reached`. */
+  size_t target_count;
+  const struct em_precision_target *target;
+  struct em_interval *reached; /* target_count */
+  bool *enough;                /* that they were reached; may be NULL */
 };
 
 /* The key figures. Those of the steady part are taken from t ≥ 0.2 s, or from half the duration

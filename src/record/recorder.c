@@ -31,7 +31,8 @@ struct recorder {
   struct em_run_state state;
   struct em_run_session session;
   struct em_summary_part part;
-  bool resumed, finished;
+  struct em_precision *precision; /* NULL: none is asked for */
+  bool resumed, finished, enough;
   double reached;                    /* s: the last sampling time that the world arrived at */
   double begun, flushed, flush_cost; /* s, wall clock */
   uint64_t at_begin;                 /* collisions */
@@ -85,6 +86,45 @@ static enum em_status frame(struct recorder *r, double time, struct em_error *er
   return em_writer_frame(r->writer, time, r->balls, err);
 }
 
+/* Median speed and power of a block: from the observables in it. */
+static void block_figures(const struct em_summary_part *part, double start, double end,
+                          double *speed, double *power) {
+  const double slack = 1e-9 * (end - start);
+  size_t first = part->samples, last = part->samples, n = 0;
+  double sum = 0.0;
+  for (size_t k = part->samples; k-- > 0 && part->time[k] >= start - slack;) {
+    if (part->time[k] > end + slack) continue;
+    if (last == part->samples) last = k;
+    first = k;
+    sum += part->median[k];
+    n++;
+  }
+  *speed = n > 0 ? sum / (double)n : NAN;
+  *power = n > 1 ? (part->work[last] - part->work[first]) / (part->time[last] - part->time[first])
+                 : NAN;
+}
+
+/* Takes a block to the figures whose precision counts. */
+static enum em_status add_precision(struct recorder *r, double start, double end,
+                                    struct em_error *err) {
+  const struct em_recorder_options *o = r->options;
+  if (!r->precision || start < r->part.steady * (1.0 - 1e-12)) return EM_OK;
+  double speed, power;
+  block_figures(&r->part, start, end, &speed, &power);
+  if (em_precision_add(r->precision, end - start, speed, power, r->block, EM_CLASS_COUNT))
+    return no_memory(err);
+  const size_t blocks = em_precision_blocks(r->precision);
+  bool enough = blocks >= EM_PRECISION_LEAST;
+  for (size_t k = 0; k < o->target_count; k++) {
+    const struct em_precision_target *t = &o->target[k];
+    o->reached[k] = em_precision_figure(r->precision, blocks, t->kind, t->above, 0.95);
+    enough = enough && o->reached[k].half <= t->wanted * fabs(o->reached[k].value);
+  }
+  r->enough = enough;
+  if (o->enough) *o->enough = enough;
+  return EM_OK;
+}
+
 /* The counts since the block began, into r->block. An open block goes to the file alone. */
 static enum em_status block(struct recorder *r, double time, bool open, struct em_error *err) {
   const uint64_t *now = &em_world_tally(r->world)->vn[0][0];
@@ -96,6 +136,8 @@ static enum em_status block(struct recorder *r, double time, bool open, struct e
     memcpy(r->block_base, now, COUNTS * sizeof *now);
     em_summary_block(&r->part, start, time, r->block);
     r->blocks++;
+    const enum em_status status = add_precision(r, start, time, err);
+    if (status) return status;
   }
   return r->writer ? em_writer_block(r->writer, start, time, open, r->block, err) : EM_OK;
 }
@@ -206,7 +248,7 @@ static enum em_status run(struct recorder *r, struct em_error *err) {
     time = next_time(r);
     status = advance(r, time, err);
     if (!status) status = take_samples(r, time, err);
-  } while (!status && time < r->scene->duration);
+  } while (!status && time < r->scene->duration && !r->enough);
   return status;
 }
 
@@ -236,6 +278,7 @@ static enum em_status make_room(struct recorder *r, struct em_error *err) {
   r->impulse = calloc(blades + 1, sizeof *r->impulse);
   r->block_base = calloc(COUNTS, sizeof *r->block_base);
   r->block = calloc(COUNTS, sizeof *r->block);
+  if (r->options->target_count > 0 && !(r->precision = em_precision_new())) return no_memory(err);
   if (!r->balls || !r->speeds || !r->impulse || !r->block_base || !r->block ||
       !em_summary_begin(&r->part, r->scene->duration))
     return no_memory(err);
@@ -247,6 +290,7 @@ static void clear(struct recorder *r) {
   em_world_free(r->world);
   em_start_free(r->balls);
   em_summary_end(&r->part);
+  em_precision_free(r->precision);
   free(r->speeds);
   free(r->impulse);
   free(r->block_base);
@@ -364,6 +408,9 @@ static enum em_status reload_blocks(struct recorder *r, const struct em_run_file
     if (!status)
       em_summary_block(&r->part, em_run_file_block_start(file, k), em_run_file_block_end(file, k),
                        r->block);
+    if (!status)
+      status = add_precision(r, em_run_file_block_start(file, k), em_run_file_block_end(file, k),
+                             err);
   }
   return status;
 }
@@ -446,7 +493,7 @@ enum em_status em_recorder_run(const struct em_scene *scene,
     r.at_begin = em_world_collisions(r.world);
     r.state.end = EM_END_RUNNING;
     r.state.message[0] = '\0';
-    if (!r.finished) {
+    if (!r.finished && !r.enough) {
       status = flush(&r, false, err);
       if (!status) status = run(&r, err);
       status = conclude(&r, status, err);

@@ -23,13 +23,15 @@ struct em_mill_options {
   size_t override_count;
   const char **overrides; /* owned; "KEY=VALUE" */
   const char *out;        /* -o, or NULL */
+  const char *precision;  /* --until-precision, or NULL */
   bool resume, force, quiet, json;
 };
 
 /* Which options a command takes, and what its --help says. */
 struct em_mill_help {
   const char *name;
-  const char *takes; /* letters of the options beside -h: o, r(esume), f(orce), q(uiet), j(son) */
+  const char *takes; /* letters of the options beside -h: o, r(esume), f(orce), q(uiet), j(son),
+                         u(ntil-precision) */
   const char *text;
 };
 

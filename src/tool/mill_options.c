@@ -12,6 +12,7 @@ static const struct option known[] = {
     {"force", no_argument, NULL, 'f'},
     {"quiet", no_argument, NULL, 'q'},
     {"json", no_argument, NULL, 'j'},
+    {"until-precision", required_argument, NULL, 'u'},
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
@@ -27,6 +28,9 @@ static void set(struct em_mill_options *options, int letter) {
   switch (letter) {
   case 'o':
     options->out = optarg;
+    break;
+  case 'u':
+    options->precision = optarg;
     break;
   case 'r':
     options->resume = true;
@@ -65,7 +69,7 @@ int em_mill_options(struct em_mill_options *options, const struct em_mill_help *
   opterr = 0;
   optind = 1;
   for (;;) {
-    const int letter = getopt_long(argc, argv, ":o:rfqjh", known, NULL);
+    const int letter = getopt_long(argc, argv, ":o:u:rfqjh", known, NULL);
     if (letter == -1) break;
     if (letter == 'h') {
       fputs(help->text, stdout);

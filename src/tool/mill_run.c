@@ -1,4 +1,5 @@
 /* mill run: runs a scene and writes a run file. */
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 
 static const struct em_mill_help help = {
     .name = "run",
-    .takes = "orfqj",
+    .takes = "orfqju",
     .text =
         "Usage: mill run SCENE [KEY=VALUE ...] [-o RUN.h5] [OPTION ...]\n\n"
         "Runs a scene and writes a run file (HDF5). Prints a summary at the end.\n\n"
@@ -20,6 +21,11 @@ static const struct em_mill_help help = {
         "                       file that is not there yet is begun\n"
         "      --force          replace a run file that exists; without it, that is an error. The\n"
         "                       old one stays until the new one is complete enough to be resumed\n"
+        "      --until-precision FIGURE=PRECISION[,...]\n"
+        "                       stop as soon as the confidence intervals (95 %) of these figures,\n"
+        "                       over the steady part, are narrow enough: 'rate(vn>3)=1%',\n"
+        "                       median(speed), median(vn), power. The duration stays the upper\n"
+        "                       bound. Judged at the end of each block of record.histograms\n"
         "  -j, --json           print the summary as one JSON object, SI units\n"
         "  -q, --quiet          no progress\n"
         "  -h, --help           this text\n\n"
@@ -31,6 +37,7 @@ static const struct em_mill_help help = {
         "  mill run geometries/simoloyer-2l.cfg rotor.rpm=1700 duration=0.2 -o fast.h5\n"
         "  mill run geometries/simoloyer-2l.cfg rotor.rpm=1700 duration=0.5 -o fast.h5 --resume\n"
         "  mill run geometries/ideal-gas.cfg record.collisions=true --force\n"
+        "  mill run geometries/simoloyer-2l.cfg duration=60 --until-precision 'rate(vn>3)=1%'\n"
         "  mill run geometries/ideal-gas.cfg -o none --json | jq .collisions_per_second\n",
 };
 
@@ -104,10 +111,24 @@ static int exit_code(enum em_status status, bool created) {
   return refused && !created ? EM_MILL_USAGE : EM_MILL_FAILED;
 }
 
+/* What was asked for, and what was reached. */
+static void tell_reached(const struct em_recorder_options *record, bool enough, double time) {
+  FILE *out = stderr;
+  fprintf(out, enough ? "precision reached at %.6g s\n" : "precision not reached by %.6g s\n", time);
+  for (size_t k = 0; k < record->target_count; k++) {
+    const struct em_interval *got = &record->reached[k];
+    char name[64];
+    em_precision_name(&record->target[k], name, sizeof name);
+    fprintf(out, "  %-16s %.5g %s ± %.2g %% (asked for: %g %%)\n", name, got->value,
+            em_precision_unit(record->target[k].kind), 100.0 * got->half / fabs(got->value),
+            100.0 * record->target[k].wanted);
+  }
+}
+
 static int run(const struct em_scene *scene, const struct em_mill_options *options,
                const char *path, char *command) {
   struct em_progress *progress = em_progress_new(options->quiet);
-  const struct em_recorder_options record = {
+  struct em_recorder_options record = {
       .path = path,
       .resume = options->resume,
       .force = options->force,
@@ -118,6 +139,21 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
   };
   struct em_summary summary = {0};
   struct em_error err = {0};
+  struct em_precision_target target[EM_PRECISION_TARGETS];
+  struct em_interval reached[EM_PRECISION_TARGETS];
+  for (int k = 0; k < EM_PRECISION_TARGETS; k++)
+    reached[k] = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
+  bool enough = false;
+  if (options->precision) {
+    if (em_precision_read(target, &record.target_count, options->precision, &err)) {
+      fprintf(stderr, "mill run: error: --until-precision %s\n", err.text);
+      em_progress_end(progress);
+      return EM_MILL_USAGE;
+    }
+    record.target = target;
+    record.reached = reached;
+    record.enough = &enough;
+  }
   bool created = false, begun = false;
   catch_signals();
   const enum em_status status = em_recorder_run(scene, &record, &summary, &created, &err);
@@ -128,6 +164,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
             summary.simulated_time, path);
   else if (status)
     advise(&err, path, created && begun);
+  if (options->precision && begun) tell_reached(&record, enough, summary.simulated_time);
   if (begun && options->json)
     em_mill_report_json(&summary, scene);
   else if (begun && !options->quiet)

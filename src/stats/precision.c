@@ -1,0 +1,189 @@
+/* Key figures over blocks of time, and the precision that is asked of them. */
+#include "eventmill/precision.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The bins of em_tally.vn. */
+enum { PER_OCTAVE = 64, LOWEST = -30, OCTAVES = 40, BINS = PER_OCTAVE * OCTAVES };
+
+struct em_precision {
+  size_t count, each; /* blocks; how many of those that came are joined in one */
+  size_t open;        /* of these, how many the last one has */
+  double time[EM_PRECISION_BLOCKS], speed[EM_PRECISION_BLOCKS], power[EM_PRECISION_BLOCKS];
+  struct em_histogram *vn[EM_PRECISION_BLOCKS];
+};
+
+#define KEY(code, key, words, unit)   key,
+#define WORDS(code, key, words, unit) words,
+#define UNIT(code, key, words, unit)  unit,
+static const char *const keys[] = {EM_PRECISION_LIST(KEY)};
+static const char *const all_words[] = {EM_PRECISION_LIST(WORDS)};
+static const char *const units[] = {EM_PRECISION_LIST(UNIT)};
+
+const char *em_precision_key(enum em_precision_kind kind) {
+  return keys[kind];
+}
+
+const char *em_precision_words(enum em_precision_kind kind) {
+  return all_words[kind];
+}
+
+const char *em_precision_unit(enum em_precision_kind kind) {
+  return units[kind];
+}
+
+struct em_precision *em_precision_new(void) {
+  struct em_precision *p = calloc(1, sizeof *p);
+  if (p) p->each = 1;
+  return p;
+}
+
+void em_precision_free(struct em_precision *p) {
+  for (size_t k = 0; p && k < p->count; k++)
+    em_histogram_free(p->vn[k]);
+  free(p);
+}
+
+/* Adds block `from` to block `to`. */
+static void join(struct em_precision *p, size_t to, size_t from) {
+  const double a = p->time[to], b = p->time[from], sum = a + b;
+  p->speed[to] = (a * p->speed[to] + b * p->speed[from]) / sum;
+  p->power[to] = (a * p->power[to] + b * p->power[from]) / sum;
+  p->time[to] = sum;
+  em_histogram_merge(p->vn[to], p->vn[from], 1.0);
+}
+
+static void join_neighbours(struct em_precision *p) {
+  for (size_t k = 0; k < p->count / 2; k++) {
+    join(p, 2 * k, 2 * k + 1);
+    em_histogram_free(p->vn[2 * k + 1]);
+    p->time[k] = p->time[2 * k];
+    p->speed[k] = p->speed[2 * k];
+    p->power[k] = p->power[2 * k];
+    p->vn[k] = p->vn[2 * k];
+  }
+  p->count /= 2;
+  p->each *= 2;
+}
+
+enum em_status em_precision_add(struct em_precision *p, double time, double speed, double power,
+                                const uint64_t *vn, size_t classes) {
+  struct em_histogram *h = em_histogram_new_octaves(PER_OCTAVE, LOWEST, OCTAVES, false);
+  if (!h) return EM_MEMORY;
+  for (size_t c = 0; c < classes; c++)
+    for (size_t k = 0; k < BINS; k++)
+      h->count[k] += (double)vn[c * BINS + k];
+  for (size_t k = 0; k < BINS; k++)
+    h->total += h->count[k];
+  if (p->count == EM_PRECISION_BLOCKS && p->open == p->each) {
+    join_neighbours(p);
+    p->open = p->each;
+  }
+  const size_t k = p->count;
+  p->time[k] = time;
+  p->speed[k] = speed;
+  p->power[k] = power;
+  p->vn[k] = h;
+  if (p->count > 0 && p->open < p->each) {
+    join(p, k - 1, k);
+    em_histogram_free(h);
+    p->open++;
+  } else {
+    p->count++;
+    p->open = 1;
+  }
+  return EM_OK;
+}
+
+size_t em_precision_blocks(const struct em_precision *p) {
+  return p->count;
+}
+
+double em_precision_time(const struct em_precision *p, size_t blocks) {
+  double sum = 0.0;
+  for (size_t k = 0; k < blocks && k < p->count; k++)
+    sum += p->time[k];
+  return sum;
+}
+
+static double median(const struct em_histogram *h, double weight, void *self) {
+  (void)weight;
+  (void)self;
+  return em_histogram_quantile(h, 0.5);
+}
+
+static double above(const struct em_histogram *h, double x) {
+  return h->total > 0.0 ? h->total * (1.0 - em_histogram_share(h, x)) : 0.0;
+}
+
+struct em_interval em_precision_figure(const struct em_precision *p, size_t blocks,
+                                       enum em_precision_kind kind, double limit, double level) {
+  struct em_interval out = {NAN, NAN, NAN, 0.0, 1.0};
+  if (blocks > p->count) blocks = p->count;
+  if (blocks == 0) return out;
+  if (kind == EM_PRECISION_SPEED) return em_interval_series(p->speed, blocks, level);
+  if (kind == EM_PRECISION_POWER) return em_interval_series(p->power, blocks, level);
+  if (kind == EM_PRECISION_RATE) {
+    double rate[EM_PRECISION_BLOCKS];
+    for (size_t k = 0; k < blocks; k++)
+      rate[k] = above(p->vn[k], limit) / p->time[k];
+    return em_interval_series(rate, blocks, level);
+  }
+  if (em_interval_figure(&out, blocks, p->vn, p->time, median, NULL, level))
+    out = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
+  return out;
+}
+
+/* ---------------------------------------------------------------- what is asked for */
+
+static enum em_status refuse(const char *text, struct em_error *err) {
+  return em_error_set(err, EM_INPUT, NULL, 0,
+                      "'%s': expected median(speed), median(vn), rate(vn>SPEED) or power, '=', and a "
+                      "precision such as 1%% or 0.01",
+                      text);
+}
+
+static enum em_status read_one(struct em_precision_target *target, const char *text,
+                               struct em_error *err) {
+  char name[64], end[4] = "", more;
+  double value;
+  *target = (struct em_precision_target){.above = 3.0};
+  const int found = sscanf(text, " %63[^=]=%lf %3s", name, &value, end);
+  if (found < 2 || (found == 3 && strcmp(end, "%") != 0)) return refuse(text, err);
+  target->wanted = found == 3 ? 0.01 * value : value;
+  if (!(target->wanted > 0.0 && target->wanted < 1.0)) return refuse(text, err);
+  for (int k = 0; k < EM_PRECISION_COUNT; k++)
+    if (strcmp(name, keys[k]) == 0) {
+      target->kind = (enum em_precision_kind)k;
+      return EM_OK;
+    }
+  target->kind = EM_PRECISION_RATE;
+  if (sscanf(name, "rate(vn>%lf%c", &target->above, &more) != 2 || more != ')' ||
+      !(target->above >= 0.0 && target->above < INFINITY))
+    return refuse(text, err);
+  return EM_OK;
+}
+
+enum em_status em_precision_read(struct em_precision_target *target, size_t *count,
+                                 const char *text, struct em_error *err) {
+  char *copy = strdup(text), *rest = NULL;
+  if (!copy) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  enum em_status status = EM_OK;
+  *count = 0;
+  for (char *word = strtok_r(copy, ",", &rest); word && !status; word = strtok_r(NULL, ",", &rest))
+    status = *count < EM_PRECISION_TARGETS ? read_one(&target[(*count)++], word, err)
+                                           : refuse(text, err);
+  if (!status && *count == 0) status = refuse(text, err);
+  free(copy);
+  return status;
+}
+
+void em_precision_name(const struct em_precision_target *target, char *text, size_t size) {
+  if (target->kind == EM_PRECISION_RATE)
+    snprintf(text, size, "rate(vn>%g)", target->above);
+  else
+    snprintf(text, size, "%s", keys[target->kind]);
+}
