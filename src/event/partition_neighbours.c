@@ -52,6 +52,7 @@ struct em_places {
   double omega;    /* rad/s of the shells about the drum's axis */
   double phase;    /* rad, their angle at the epoch's start */
   double at, cos, sin; /* of their angle at the time `at` */
+  double now, cos_now, sin_now; /* and at the time last asked for */
   bool may_turn;
   double bend, bend_per_speed2; /* m/s², 1/m: see set_bend */
 
@@ -126,9 +127,9 @@ static double wrapped(double x, double low, double period) {
   return period > 0.0 ? x - period * floor((x - low) / period) : x;
 }
 
-/* Cosine and sine of the shells' angle at time t, to 1e-12: from those of a time nearby, which are
- * renewed every few thousandths of a turn. */
-static void shells_turn(struct em_places *p, double t, double *c, double *s) {
+/* Sets the cosine and sine of the shells' angle at time t, to 1e-12: from those of a time nearby,
+ * which are renewed every few thousandths of a turn. */
+static void shells_turn(struct em_places *p, double t) {
   double d = p->omega * (t - p->at);
   if (!(fabs(d) < 0.02)) {
     const double angle = p->phase + p->omega * t;
@@ -140,14 +141,15 @@ static void shells_turn(struct em_places *p, double t, double *c, double *s) {
   const double d2 = d * d;
   const double cd = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0));
   const double sd = d * (1.0 - d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0)));
-  *c = p->cos * cd - p->sin * sd;
-  *s = p->sin * cd + p->cos * sd;
+  p->now = t;
+  p->cos_now = p->cos * cd - p->sin * sd;
+  p->sin_now = p->sin * cd + p->cos * sd;
 }
 
 /* Turns the position and velocity of a ball at time t to what is seen from the shells. */
 static void turn_to_shells(struct em_places *p, double t, struct em_vec *x, struct em_vec *v) {
-  double c, s;
-  shells_turn(p, t, &c, &s);
+  if (t != p->now) shells_turn(p, t);
+  const double c = p->cos_now, s = p->sin_now;
   const double u = v->x - p->omega * x->z, m = v->z + p->omega * x->x;
   *x = em_vec_make(c * x->x - s * x->z, x->y, s * x->x + c * x->z);
   *v = em_vec_make(c * u - s * m, v->y, s * u + c * m);
@@ -429,7 +431,7 @@ static bool renew(struct em_world *w) {
   struct em_places *p = w->places;
   if (!p->may_turn) return true;
   p->phase = fmod(p->phase + p->omega * w->epoch_length, 2.0 * M_PI);
-  p->at = NAN;
+  p->at = p->now = NAN;
   double rest;
   const double omega = mean_rotation(w, &rest);
   if (fabs(omega - p->omega) * w->rho < 0.25 * rest) return true;
@@ -457,7 +459,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   p->many = 28;
   w->places = p;
   p->may_turn = may_turn(w);
-  p->at = NAN;
+  p->at = p->now = NAN;
   double rest = 0.0;
   if (p->may_turn) p->omega = mean_rotation(w, &rest);
   set_bend(w, p, hypot(rest, p->omega * w->rho));
