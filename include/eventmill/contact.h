@@ -89,8 +89,9 @@ struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_
                                      struct em_vec e, struct em_vec g, bool frictionless,
                                      bool elastic);
 
-/* k such that a ball of mass m and radius R changes its spin by Δω = k (e × P_t), e pointing from
- * the partner to that ball... and the same k with the same e and P_t for the partner's own m, R. */
+/* k such that a ball of mass m (kg) and radius R (m) changes its spin by Δω = k e × P_t, where e points to
+ * the ball i that gets P_t. The partner j, with its own m and R, has its k with the *same* e and P_t.
+ * −5/(2 m R); `reichardt2005`: −R/m (9-9, 9-17; docs/physics.md on the sign); `smooth`: 0. */
 double em_contact_spin_factor(enum em_rule rule, double m, double radius);
 
 /* Does the rule read or change spins? */

@@ -197,7 +197,11 @@ static double ferrari_newton(const double *q, int degree, double guess) {
   for (int k = 0; k < count; k++)
     if (root[k] > 0.0 && root[k] < best) best = fmin(best, newton(q, degree, root[k]));
   const bool sound = best < INFINITY && is_root(q, degree, best);
-  return sound ? best : em_poly_first_rise(q, degree);
+  if (!sound) return em_poly_first_rise(q, degree);
+  /* Close to the wall, moving out: the closed form has no digits left of a root so small. */
+  const double start = newton(q, degree, 0.0);
+  const double near = start < best ? newton(q, degree, start) : INFINITY;
+  return near < best && is_root(q, degree, near) ? near : best;
 }
 
 /* The smallest of the positive roots at which q rises. */
