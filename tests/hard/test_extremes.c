@@ -1,0 +1,196 @@
+/* Extreme mixtures, packings and lengths of time; and walls, again and again. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "support/trial.h"
+
+#define BOX "gravity=\"none\";contact={rule=\"smooth\";normal=1.0;};"
+
+/* Runs an elastic scene; the relative error of its energy. */
+static double run(const char *scene, const char *overrides, uint64_t collisions,
+                  double smallest, double *time) {
+  struct trial t;
+  trial_open(&t, scene, "%s", overrides);
+  const double energy = trial_energy(&t);
+  for (int k = 0; k < 20; k++) {
+    trial_collide(&t, collisions / 20);
+    trial_valid(&t, 1e-12 * smallest);
+  }
+  const double error = fabs(trial_energy(&t) - energy) / energy;
+  if (time) *time = em_world_time(t.world);
+  trial_free(&t);
+  return error;
+}
+
+static void sizes(void **state) {
+  (void)state;
+  const uint64_t n = TRIES(60000, 5e6);
+  const double error = run(BOX
+                           "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
+                           "balls=({name=\"large\";count=4;diameter=0.02;},"
+                           "{name=\"small\";count=2000;diameter=0.0004;});",
+                           "", n, 0.0004, NULL);
+  assert_true(error < 1e-12);
+  hard_row("diameters 1:50", "4 large and 2000 small balls", (double)n,
+           "no overlap above 1e-12 of the small diameter", "energy %.1e", error);
+}
+
+static void masses(void **state) {
+  (void)state;
+  const uint64_t n = TRIES(60000, 5e6);
+  const double error = run(BOX
+                           "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
+                           "balls=({name=\"heavy\";count=20;diameter=0.004;density=1e9;},"
+                           "{name=\"light\";count=500;diameter=0.004;density=1.0;});",
+                           "", n, 0.04, NULL);
+  assert_true(error < 1e-12);
+  hard_row("masses 1:1e9", "20 heavy and 500 light balls, these at up to 3e4 the speed",
+           (double)n, "no overlap above 1e-11 d",
+           "energy %.1e", error);
+}
+
+static void few(void **state) {
+  (void)state;
+  struct trial t;
+  trial_open(&t, "geometries/simoloyer-2l.cfg", "balls.count=0");
+  trial_run(&t, 10.0);
+  assert_int_equal(em_world_collisions(t.world), 0);
+  trial_free(&t);
+  trial_open(&t, "geometries/simoloyer-2l.cfg", "balls.count=1 remedy.tc=1e-5");
+  const double energy = trial_energy(&t);
+  trial_run(&t, 10.0);
+  trial_valid(&t, 1e-12 * 0.005);
+  const double books = fabs(trial_books(&t, energy));
+  assert_true(books < 1e-12);
+  hard_row("no ball, one ball", "the mill for 10 s, with TC: a lone ball comes to glide along the drum", 2,
+           "runs; energy + lost − work", "%.1e", books);
+  trial_free(&t);
+}
+
+static void just_fits(void **state) {
+  (void)state;
+  double worst = 0.0;
+  const uint64_t n = TRIES(20000, 1e6);
+  for (int k = 0; k < 4; k++) {
+    static const double spare[] = {1e-4, 1e-8, 1e-12, 1e-15};
+    char overrides[128];
+    snprintf(overrides, sizeof overrides, "chamber.length=%.17g", 0.005 + spare[k]);
+    worst = fmax(worst, run(BOX "chamber={shape=\"drum\";diameter=0.1;length=0.006;};"
+                                "balls={diameter=0.005;start=\"table\";table=((0.0,"
+                                "0.0025,0.0,1.0,1e-6,0.3),(0.02,0.0025,0.0,-0.2,1e-6,0.3));};",
+                            overrides, n, 0.005, NULL));
+  }
+  assert_true(worst < 1e-11);
+  hard_row("balls just fit", "1e-15…1e-4 m of play between the end walls", 4.0 * (double)n,
+           "no overlap above 1e-12 d", "energy %.1e", worst);
+}
+
+static void crystal(void **state) {
+  (void)state;
+  const uint64_t n = TRIES(100000, 1e7);
+  double time;
+  const double d = 0.005, cell = cbrt(4.0 * M_PI / 6.0 * d * d * d / 0.70);
+  struct trial t;
+  trial_scene(&t, BOX "chamber={shape=\"box\";size=[0.1,0.1,0.1];periodic=true;};"
+                      "balls={count=1372;diameter=0.005;start=\"lattice\";};",
+              "chamber.size=[%.17g,%.17g,%.17g]", 7.0 * cell, 7.0 * cell, 7.0 * cell);
+  t.balls = em_start_new(1372);
+  uint64_t seed = 9;
+  for (size_t i = 0; i < 1372; i++) {
+    static const double part[4][3] = {{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
+    const size_t c = i / 4;
+    t.balls->position[i] = em_vec_make(((double)(c % 7) + part[i % 4][0] + 0.25) * cell,
+                                       ((double)(c / 7 % 7) + part[i % 4][1] + 0.25) * cell,
+                                       ((double)(c / 49) + part[i % 4][2] + 0.25) * cell);
+    t.balls->velocity[i] = dice_direction(&seed);
+    t.balls->radius[i] = 0.5 * d;
+    t.balls->mass[i] = 1e-3;
+  }
+  trial_world(&t);
+  const double energy = trial_energy(&t);
+  for (int k = 0; k < 20; k++) {
+    trial_collide(&t, n / 20);
+    trial_valid(&t, 1e-12 * d);
+  }
+  const double error = fabs(trial_energy(&t) - energy) / energy;
+  time = em_world_time(t.world);
+  trial_free(&t);
+  assert_true(error < 1e-12);
+  hard_row("crystal", "packing 0.70 (fcc, periodic)", (double)n, "no overlap above 1e-12 d",
+           "energy %.1e, %.3g s", error, time);
+}
+
+/* A wall is met again and again: without end, nothing may add up. */
+static void walls(void **state) {
+  (void)state;
+  static const char drum[] = "gravity=\"none\";contact={rule=\"smooth\";normal=1.0;};"
+                             "chamber={shape=\"drum\";diameter=0.146;length=0.135;};"
+                             "balls={count=10;diameter=0.005;};";
+  const uint64_t n = TRIES(1000000, 2e8);
+  const double without = run(drum, "", n / 2, 0.005, NULL);
+  const double with = run(drum, "gravity=[0.0,0.0,-9.81] balls.speed=3", n / 2, 0.005, NULL);
+  /* Each contact of a ball costs it at most a rounding of its energy. */
+  assert_true(fmax(with, without) < 2.3e-16 * (double)n / 10.0);
+  hard_row("walls", "10 balls in a drum, with and without gravity", (double)n,
+           "balls outside: 0; overlaps above 1e-12 d: 0",
+           "energy %.1e without, %.1e with gravity", without, with);
+}
+
+/* Much simulated time: the error must not grow with absolute time. */
+static void long_time(void **state) {
+  (void)state;
+  const double until = (double)TRIES(60, 3600);
+  struct trial t;
+  trial_open(&t,
+             "gravity=[0.0,0.0,-9.81];contact={rule=\"smooth\";normal=1.0;};"
+             "chamber={shape=\"drum\";diameter=0.146;length=0.135;};"
+             "balls={count=20;diameter=0.005;speed=2.0;};",
+             "%s", "");
+  const double energy = trial_energy(&t), bytes = em_world_bytes_per_ball(t.world);
+  double first = 0.0, last = 0.0, before = energy;
+  for (int k = 1; k <= 20; k++) {
+    trial_run(&t, until * k / 20.0);
+    trial_valid(&t, 1e-12 * 0.005);
+    const double now = trial_energy(&t), step = fabs(now - before) / energy;
+    if (k <= 5) first = fmax(first, step);
+    if (k > 15) last = fmax(last, step);
+    before = now;
+  }
+  assert_true(fabs(before - energy) / energy < 1e-10);
+  assert_true(last < 10.0 * first + 1e-13);
+  assert_true(em_world_bytes_per_ball(t.world) < 2.0 * bytes);
+  hard_row("long time", "20 balls in the drum under gravity; simulated seconds:", until,
+           "energy, places and list sizes stay bounded",
+           "energy %.1e in all, %.1e in the first parts, %.1e in the last ones",
+           fabs(before - energy) / energy, first, last);
+  trial_free(&t);
+}
+
+#ifdef LONG_FORM
+static void million(void **state) {
+  (void)state;
+  const double error = run(BOX "chamber={shape=\"box\";size=[1.0,1.0,1.0];};"
+                               "balls={count=1000000;diameter=0.005;start=\"lattice\";};",
+                           "", 3000000, 0.005, NULL);
+  assert_true(error < 1e-12);
+  hard_row("10⁶ balls", "elastic gas in a box", 3e6, "no overlap above 1e-12 d", "energy %.1e",
+           error);
+}
+#endif
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(sizes),     cmocka_unit_test(masses),    cmocka_unit_test(few),
+      cmocka_unit_test(just_fits), cmocka_unit_test(crystal),   cmocka_unit_test(walls),
+      cmocka_unit_test(long_time),
+#ifdef LONG_FORM
+      cmocka_unit_test(million),
+#endif
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

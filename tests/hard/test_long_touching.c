@@ -1,0 +1,3 @@
+/* The long form of test_touching.c. */
+#define LONG_FORM
+#include "test_touching.c"

@@ -1,0 +1,168 @@
+/* Contacts at one and the same time: worked off by class, then by index, so that a run is a function of
+ * its scene; what physics conserves is conserved, and where contacts do not depend on each other the
+ * numbering of the balls does not matter. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/trial.h"
+
+static const char lab[] =
+    "gravity=\"none\";chamber={shape=\"box\";size=[1.28,1.28,1.28];};"
+    "contact={rule=\"smooth\";normal=1.0;};"
+    "balls={count=51;diameter=0.015625;start=\"lattice\";};";
+
+static void still(struct trial *t, size_t i, double x, double y, double z) {
+  t->balls->position[i] = em_vec_make(x, y, z);
+  t->balls->velocity[i] = em_vec_make(0.0, 0.0, 0.0);
+}
+
+/* Fifty balls that touch in a row: the last one leaves with the speed of the first, whatever the
+ * order in which they are numbered. */
+static void cradle(void **state) {
+  (void)state;
+  uint64_t seed = 1;
+  double worst = 0.0;
+  for (int k = 0; k < 100; k++) {
+    struct trial t;
+    const double d = 0.015625; /* 2^-6: touching to the last bit */
+    size_t place[51];
+    trial_scene(&t, lab, "%s", "");
+    trial_balls(&t);
+    for (size_t i = 0; i < 51; i++) place[i] = i;
+    for (size_t i = 50; k > 0 && i > 0; i--) {
+      const size_t j = dice_bits(&seed) % (i + 1), swap = place[i];
+      place[i] = place[j], place[j] = swap;
+    }
+    for (size_t i = 0; i < 51; i++) still(&t, place[i], 0.25 + d * (double)i, 0.5, 0.5);
+    t.balls->position[place[0]].x -= 0.0625;
+    t.balls->velocity[place[0]].x = 1.0;
+    trial_world(&t);
+    trial_run(&t, 0.09375);
+    trial_state(&t);
+    assert_int_equal(em_world_collisions(t.world), 50);
+    for (size_t i = 0; i < 51; i++)
+      worst = fmax(worst, fabs(t.balls->velocity[place[i]].x - (i == 50 ? 1.0 : 0.0)));
+    trial_free(&t);
+  }
+  assert_true(worst == 0.0);
+  hard_row("Newton's cradle of 50", "49 contacts at one time, 100 numberings", 100,
+           "the last ball has the speed of the first, the others rest", "speed %.1e", worst);
+}
+
+/* A lattice of pairs that all meet at the same time: each exchanges its velocities. */
+static void lattice(void **state) {
+  (void)state;
+  uint64_t first = 0;
+  static const char *const engines[] = {"", "engine.lists=tree", "engine.partition=cells",
+                                        "engine.partition=slices", "engine.simd=false",
+                                        "engine.lists=tree engine.partition=none"};
+  double worst = 0.0;
+  for (size_t k = 0; k < sizeof engines / sizeof *engines; k++) {
+    struct trial t;
+    struct trail trail;
+    trial_scene(&t, lab, "balls.count=2000 %s", engines[k]);
+    trial_balls(&t);
+    for (size_t i = 0; i < 2000; i++) {
+      const size_t pair = i / 2;
+      const double side = i % 2 ? 1.0 : -1.0;
+      still(&t, i, 0.125 * (double)(pair % 10) + 0.0625 + side * 0.015625,
+            0.125 * (double)(pair / 10 % 10) + 0.0625, 0.125 * (double)(pair / 100) + 0.0625);
+      t.balls->velocity[i].x = -side;
+    }
+    trial_world(&t);
+    trail_watch(&trail, t.world);
+    trial_run(&t, 0.01);
+    assert_int_equal(trail.count, 1000);
+    trial_state(&t);
+    for (size_t i = 0; i < 2000; i++)
+      worst = fmax(worst, fabs(t.balls->velocity[i].x - (i % 2 ? 1.0 : -1.0)));
+    trial_run(&t, 2.0);
+    trial_valid(&t, 1e-12 * 0.015625);
+    if (k == 0) first = trail.hash;
+    assert_true(trail.hash == first);
+    trial_free(&t);
+  }
+  assert_true(worst == 0.0);
+  hard_row("lattice of pairs", "1000 contacts at one time, again and again, six engines", 6,
+           "the same sequence with every engine; each pair exchanges its velocities", "speed %.1e",
+           worst);
+}
+
+/* Balls that run symmetrically into one point, n at once: momentum and energy. */
+static void stars(void **state) {
+  (void)state;
+  double worst = 0.0;
+  int tries = 0;
+  for (size_t n = 2; n <= 12; n++) {
+    for (int turn = 0; turn < 20; turn++, tries++) {
+      struct trial t;
+      trial_scene(&t, lab, "balls.count=%zu", n);
+      trial_balls(&t);
+      for (size_t i = 0; i < n; i++) {
+        const double phi = 2.0 * M_PI * (double)i / (double)n + 0.1 * turn;
+        const struct em_vec e = {cos(phi), sin(phi), 0.0};
+        t.balls->position[i] = em_vec_axpy(em_vec_make(0.5, 0.5, 0.5), 0.125, e);
+        t.balls->velocity[i] = em_vec_scale(-1.0, e);
+      }
+      trial_world(&t);
+      const double energy = trial_energy(&t);
+      trial_run(&t, 0.3);
+      struct em_vec sum = {0.0, 0.0, 0.0};
+      trial_state(&t);
+      for (size_t i = 0; i < n; i++) sum = em_vec_add(sum, t.balls->velocity[i]);
+      assert_true(em_world_collisions(t.world) >= n / 2);
+      trial_valid(&t, 1e-12 * 0.015625);
+      worst = fmax(worst, em_vec_norm(sum) / (double)n);
+      worst = fmax(worst, fabs(trial_energy(&t) - energy) / energy);
+      trial_free(&t);
+    }
+  }
+  assert_true(worst < 1e-14);
+  hard_row("stars", "2…12 balls run into one point at once", tries,
+           "momentum and energy; no overlap", "%.1e", worst);
+}
+
+/* Head on, three in a row: the outer ones run into the one at rest. Which contact comes first is a
+ * choice (the pair with the smaller index); speeds go through the middle, and come out mirrored. */
+static void head_on(void **state) {
+  (void)state;
+  double worst = 0.0;
+  for (int order = 0; order < 6; order++) {
+    struct trial t;
+    static const size_t orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                        {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    trial_scene(&t, lab, "%s", "balls.count=3");
+    trial_balls(&t);
+    const size_t *place = orders[order];
+    for (size_t i = 0; i < 3; i++) still(&t, place[i], 0.25 + 0.0625 * (double)i, 0.5, 0.5);
+    t.balls->velocity[place[0]].x = 1.0;
+    t.balls->velocity[place[2]].x = -1.0;
+    trial_world(&t);
+    trial_run(&t, 0.15);
+    trial_state(&t);
+    worst = fmax(worst, fabs(t.balls->velocity[place[0]].x + 1.0));
+    worst = fmax(worst, fabs(t.balls->velocity[place[1]].x));
+    worst = fmax(worst, fabs(t.balls->velocity[place[2]].x - 1.0));
+    trial_free(&t);
+  }
+  assert_true(worst == 0.0);
+  hard_row("head-on three-body", "two contacts of one ball at one time, all numberings", 6,
+           "mirrored, independent of the numbering", "speed %.1e", worst);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(cradle),
+      cmocka_unit_test(lattice),
+      cmocka_unit_test(stars),
+      cmocka_unit_test(head_on),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
