@@ -305,11 +305,12 @@ static void FN(advance)(struct em_world *w, uint32_t i, double t) {
   b->t = t;
 }
 
-static void FN(push)(struct em_world *w, uint32_t i, double per_mass, struct em_vec impulse) {
+/* By division: m (1/m) is not 1, and that error, the same at each contact, would add up. */
+static void FN(push)(struct em_world *w, uint32_t i, double mass, struct em_vec impulse) {
   struct em_body *b = &w->body[i];
-  b->vx = b->vx + per_mass * impulse.x;
-  b->vy = b->vy + per_mass * impulse.y;
-  b->vz = b->vz + per_mass * impulse.z;
+  b->vx = b->vx + impulse.x / mass;
+  b->vy = b->vy + impulse.y / mass;
+  b->vz = b->vz + impulse.z / mass;
 }
 
 /* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
@@ -382,8 +383,8 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
       em_contact_impulse(law, meff, e, g, act.frictionless, act.elastic);
   const struct em_vec sum = em_vec_add(p.normal, p.tangential);
   double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
-  FN(push)(w, i, 1.0 / mi, sum);
-  FN(push)(w, j, -1.0 / mj, sum);
+  FN(push)(w, i, mi, sum);
+  FN(push)(w, j, -mj, sum);
   if (WITH(SPIN)) {
     const struct em_vec twist = em_vec_cross(e, p.tangential);
     gain += FN(spin_up)(w, i, mi, law, twist);
@@ -461,7 +462,7 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
   const struct em_vec sum = em_vec_add(p.normal, p.tangential);
   double gain = em_vec_dot(sum, v) + 0.5 * em_vec_norm2(sum) / m;
   const double work = em_vec_dot(sum, surface);
-  FN(push)(w, i, 1.0 / m, sum);
+  FN(push)(w, i, m, sum);
   if (WITH(SPIN)) gain += FN(spin_up)(w, i, m, law, em_vec_cross(e, p.tangential));
   mark(w, i, code, si);
   note(w, cls, m, p.vn, work - gain);
