@@ -130,6 +130,14 @@ struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);
 
+/* Whole periods in a distance: 0 where the box is closed, for then per_period is 0. Adding the
+ * constant rounds to the nearest integer, for |x| < 2^51, the same in scalars and vectors. */
+#define EM_NEAREST 6755399441055744.0
+
+static inline double em_body_shift(double d, double period, double per_period) {
+  return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
+}
+
 /* Position of ball i at time t (s within the epoch). */
 static inline struct em_vec em_body_at(const struct em_world *w, uint32_t i, double t) {
   const struct em_body *b = &w->body[i];

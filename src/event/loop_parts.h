@@ -76,16 +76,8 @@ static inline void four_halves(const double *p0, const double *p1, const double 
 
 /* --- periodic images -------------------------------------------------------------------------- */
 
-/* Whole periods in a distance: 0 where the box is closed, for then per_period is 0. Adding the
- * constant rounds to the nearest integer, for |x| < 2^51, the same in scalars and vectors. */
-#define NEAREST_MAGIC 6755399441055744.0
-
-static inline double image_shift(double d, double period, double per_period) {
-  return period * ((d * per_period + NEAREST_MAGIC) - NEAREST_MAGIC);
-}
-
 static inline v4d image_shift_four(v4d d, double period, double per_period) {
-  return period * ((d * per_period + NEAREST_MAGIC) - NEAREST_MAGIC);
+  return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
 }
 
 static inline double wrap(double x, double low, double period) {

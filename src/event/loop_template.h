@@ -30,9 +30,9 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   const double du = ub - ua, dv = vb - va, dw = wb - wa;
   if (WITH(PERIODIC)) {
     const double ahead = now - tr;
-    dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
-    dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
-    dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
+    dx = dx - em_body_shift(dx + du * ahead, w->period.x, w->per_period.x);
+    dy = dy - em_body_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+    dz = dz - em_body_shift(dz + dw * ahead, w->period.z, w->per_period.z);
   }
   (void)now;
   const double p = (dx * du + dy * dv) + dz * dw;
@@ -364,9 +364,9 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   const struct em_body *a = &w->body[i], *b = &w->body[j];
   struct em_vec d = {a->x - b->x, a->y - b->y, a->z - b->z};
   if (WITH(PERIODIC)) {
-    d.x = d.x - image_shift(d.x, w->period.x, w->per_period.x);
-    d.y = d.y - image_shift(d.y, w->period.y, w->per_period.y);
-    d.z = d.z - image_shift(d.z, w->period.z, w->per_period.z);
+    d.x = d.x - em_body_shift(d.x, w->period.x, w->per_period.x);
+    d.y = d.y - em_body_shift(d.y, w->period.y, w->per_period.y);
+    d.z = d.z - em_body_shift(d.z, w->period.z, w->per_period.z);
   }
   const double norm = em_vec_norm(d);
   const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};

@@ -155,8 +155,16 @@ static void turn_to_shells(struct em_places *p, double t, struct em_vec *x, stru
   *v = em_vec_make(c * u - s * m, v->y, s * u + c * m);
 }
 
-static double nearest(double d, double period) {
-  return period > 0.0 ? d - period * floor(d / period + 0.5) : d;
+/* From the centre of shell s to x, or to its nearest image. */
+static inline struct em_vec offset(const struct em_world *w, const struct shell *s,
+                                   struct em_vec x) {
+  struct em_vec o = {x.x - (double)s->centre[0], x.y - (double)s->centre[1],
+                     x.z - (double)s->centre[2]};
+  if (w->per_period.x + w->per_period.y + w->per_period.z == 0.0) return o;
+  o.x -= em_body_shift(o.x, w->period.x, w->per_period.x);
+  o.y -= em_body_shift(o.y, w->period.y, w->per_period.y);
+  o.z -= em_body_shift(o.z, w->period.z, w->per_period.z);
+  return o;
 }
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
@@ -168,9 +176,7 @@ static double stay(const struct em_world *w, const struct em_places *p, const st
   const double skin = (double)s->skin, vv = em_vec_norm2(v);
   const double bend = p->bend + p->bend_per_speed2 * fast2;
   const double room = bend > 0.0 ? STRAIGHT * skin : 0.999999 * skin;
-  const struct em_vec o = {nearest(x.x - (double)s->centre[0], w->period.x),
-                           nearest(x.y - (double)s->centre[1], w->period.y),
-                           nearest(x.z - (double)s->centre[2], w->period.z)};
+  const struct em_vec o = offset(w, s, x);
   const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o), disc = b * b + vv * c;
   double time;
   if (c <= 0.0)
@@ -216,11 +222,8 @@ static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, dou
   const double fast2 = em_vec_norm2(v);
   if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
   const struct shell *s = &p->shell[i];
-  const double dx = nearest(x.x - (double)s->centre[0], w->period.x);
-  const double dy = nearest(x.y - (double)s->centre[1], w->period.y);
-  const double dz = nearest(x.z - (double)s->centre[2], w->period.z);
   const double inside = KEEP * (double)s->skin;
-  if (dx * dx + dy * dy + dz * dz > inside * inside) return false;
+  if (em_vec_norm2(offset(w, s, x)) > inside * inside) return false;
   w->leave[i] = stay(w, p, s, now, x, v, fast2);
   return true;
 }
