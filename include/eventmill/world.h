@@ -129,6 +129,8 @@ void em_world_snapshot_free(struct em_snapshot *snapshot);
  * a ball takes. */
 const char *em_world_variant(const struct em_world *world);
 double em_world_bytes_per_ball(const struct em_world *world);
+/* Of these, the bytes for the events that a ball waits for. */
+double em_world_bytes_of_events(const struct em_world *world);
 
 /* Consistency of all lists, and no overlap beyond `tolerance` (m); for tests. Fills err with the
  * first fault. */

@@ -333,6 +333,11 @@ double em_world_bytes_per_ball(const struct em_world *w) {
   return w->count ? (double)each + (double)lists / w->count : 0.0;
 }
 
+double em_world_bytes_of_events(const struct em_world *w) {
+  const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local);
+  return w->count ? (double)lists / w->count : 0.0;
+}
+
 /* --- checking --------------------------------------------------------------------------------- */
 
 static bool fault(struct em_error *err, const struct em_world *w, uint32_t i, uint32_t partner,

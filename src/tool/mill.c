@@ -13,6 +13,7 @@ struct command {
 static const struct command commands[] = {
     {"run", "run a scene and write a run file", em_mill_run},
     {"check", "validate a scene; print it in full, with what it calls for", em_mill_check},
+    {"cost", "measure what accuracy, effects and statistics cost on a scene", em_mill_cost},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };

@@ -16,6 +16,7 @@ enum { EM_MILL_DONE = 0, EM_MILL_FAILED = 1, EM_MILL_USAGE = 2 };
 /* Each takes its own name as argv[0] and returns an exit code. */
 int em_mill_run(int argc, char **argv);
 int em_mill_check(int argc, char **argv);
+int em_mill_cost(int argc, char **argv);
 
 /* What a command line says. */
 struct em_mill_options {

@@ -53,6 +53,9 @@ static int check(const struct em_scene *scene) {
   printf("# loop: %s\n", em_world_variant(world));
   printf("# balls: %zu, %.0f bytes each\n", em_scene_ball_count(scene),
          em_world_bytes_per_ball(world));
+  printf("# events: %.0f of these bytes for those that a ball waits for; a collision is %s\n",
+         em_world_bytes_of_events(world),
+         scene->record.collisions ? "recorded with all its figures" : "counted, not stored");
   em_world_free(world);
   if (em_scene_print(scene, stdout) || fflush(stdout)) {
     fprintf(stderr, "mill check: error: standard output cannot be written\n");

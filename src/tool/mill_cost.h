@@ -1,0 +1,96 @@
+/* What accuracy and effects cost on a scene: the variants that are measured, and what is measured. */
+#ifndef EVENTMILL_MILL_COST_H
+#define EVENTMILL_MILL_COST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "eventmill/precision.h"
+#include "eventmill/world.h"
+#include "tool/progress.h"
+
+/* Which table a variant belongs to. */
+enum em_cost_group { EM_COST_ACCURACY, EM_COST_EFFECT, EM_COST_RECORDING };
+
+/* Changes that no override can make. */
+enum em_cost_change { EM_COST_AS_IS, EM_COST_NO_ROTOR, EM_COST_MIXED };
+
+enum { EM_COST_VARIANTS = 48, EM_COST_WORDS = 3 };
+
+struct em_cost_variant {
+  enum em_cost_group group;
+  enum em_cost_change change;
+  char name[64];
+  size_t words;
+  char word[EM_COST_WORDS][64]; /* KEY=VALUE */
+};
+
+/* Errors of contact times, over flights of the scene. */
+struct em_cost_flights {
+  uint64_t flights, contacts, missed, invented;
+  double rms, most; /* s, of the contacts that both find */
+};
+
+struct em_cost_result {
+  struct em_cost_variant variant;
+  bool failed;
+  char why[160];
+  double time, time_low, time_high; /* computing time per simulated time, relative to the scene as
+                                       it is: median and quartiles over the rounds */
+  double collision;                 /* the same per collision */
+  double energy;                    /* relative energy error at the end */
+  struct em_interval figure[EM_PRECISION_COUNT];
+  struct em_interval plain[EM_PRECISION_COUNT]; /* of the scene as it is, over the same time */
+  struct em_cost_flights flights;
+};
+
+struct em_cost {
+  const char *path; /* of the scene */
+  size_t override_count;
+  const char *const *overrides;
+  struct em_scene *scene;       /* as it is */
+  struct em_snapshot *snapshot; /* the steady state */
+  double steady, time;          /* s: begin; simulated time of each run */
+  int rounds;
+  size_t flights;
+  double cpu_per_time, collisions_per_time; /* 1; 1/s: of the scene as it is */
+  double energy;
+  struct em_precision *precision; /* of the scene as it is */
+  struct em_interval figure[EM_PRECISION_COUNT];
+  size_t count;
+  struct em_cost_result result[EM_COST_VARIANTS];
+  struct em_progress *progress;
+  double begun; /* s, wall clock */
+};
+
+/* The variants that mean something on this scene. */
+void em_mill_cost_variants(struct em_cost *cost);
+
+/* Runs to the steady state, and chooses the simulated time where it is NAN. */
+enum em_status em_mill_cost_run_steady(struct em_cost *cost, struct em_error *err);
+/* The scene as it is, for its figures. */
+enum em_status em_mill_cost_run_base(struct em_cost *cost, struct em_error *err);
+/* One variant against the scene as it is, in turns. Errors of the variant go to the result. */
+enum em_status em_mill_cost_run_variant(struct em_cost *cost, struct em_cost_result *result,
+                                        struct em_error *err);
+
+/* A scene with a variant's changes, to be freed by em_mill_cost_run_free; its rotors are hidden
+ * where the variant has none: *hidden of them. */
+enum em_status em_mill_cost_run_scene(const struct em_cost *cost,
+                                      const struct em_cost_variant *variant,
+                                      struct em_scene **scene, size_t *hidden,
+                                      struct em_error *err);
+void em_mill_cost_run_free(struct em_scene *scene, size_t hidden);
+
+/* Contact times of all variants of accuracy, over flights of the scene. */
+enum em_status em_mill_cost_flights(struct em_cost *cost, struct em_error *err);
+
+/* Tables (text or JSON to stdout, CSV to a file) and pictures PREFIX-accuracy.png,
+ * PREFIX-effects.png, PREFIX-statistics.png. */
+enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const char *csv,
+                                   const char *prefix, struct em_error *err);
+
+void em_mill_cost_tell(const struct em_cost *cost, double done, const char *what);
+
+#endif
