@@ -122,6 +122,16 @@ $(B)/%.o: %.c $(B)/flags | packages $(B)/version.h
 
 $(B)/tests/%.o: SEEK += -Itests
 
+# The page of millpost view, as bytes in C.
+VIEW_PAGE   := src/draw/view/page.html
+VIEW_SCRIPT := $(addprefix src/draw/view/,run.js stage.js legend.js play.js)
+bytes = { echo 'static const unsigned char $(1)[] = {'; cat $(2) | od -An -v -tu1 | \
+  sed 's/\([0-9]\) /\1,/g; s/$$/,/'; echo '0};'; }
+$(B)/view_page.h: $(VIEW_PAGE) $(VIEW_SCRIPT)
+	@mkdir -p $(@D)
+	$(Q){ $(call bytes,view_page,$(VIEW_PAGE)); $(call bytes,view_script,$(VIEW_SCRIPT)); } >$@
+$(B)/src/draw/view.o: | $(B)/view_page.h
+
 $(STATIC): $(LIB_OBJ) $(B)/members
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && ar rcs $@ $(LIB_OBJ)

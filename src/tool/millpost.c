@@ -26,6 +26,7 @@ static const struct command commands[] = {
     {"fit", "laws of restitution fitted to measured pairs", em_millpost_fit},
     {"frame", "a picture of one moment", em_millpost_frame},
     {"film", "a film", em_millpost_film},
+    {"view", "a page that plays a run in a browser", em_millpost_view},
     {"export", "files for ParaView, OVITO, POV-Ray and others", em_millpost_export},
 };
 

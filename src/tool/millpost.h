@@ -30,6 +30,7 @@ int em_millpost_table(int argc, char **argv);
 int em_millpost_fit(int argc, char **argv);
 int em_millpost_frame(int argc, char **argv);
 int em_millpost_film(int argc, char **argv);
+int em_millpost_view(int argc, char **argv);
 int em_millpost_export(int argc, char **argv);
 
 /* What a command line says; options that were not given keep the values noted here. */
