@@ -1,4 +1,4 @@
-/* The event loop, a template: loop.c and loop_avx2.c include it once per set of effects.
+/* The event loop, a template: loop_variants.h includes it once per set of effects.
  * Before each inclusion LOOP is the suffix of its functions and LOOP_FLAGS the set of EM_LOOP_*;
  * what a set does not name is not compiled into it. */
 
