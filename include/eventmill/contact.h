@@ -9,24 +9,24 @@
 #include "eventmill/vec.h"
 
 /* Who touches whom. In a box the walls across y are "end" walls, all others "drum" walls. */
-#define EM_CLASS_LIST(X)                                                       \
-  X(BALL, "ball-ball")                                                         \
-  X(DRUM, "ball-drum")                                                         \
-  X(END, "ball-end")                                                           \
+#define EM_CLASS_LIST(X) \
+  X(BALL, "ball-ball")   \
+  X(DRUM, "ball-drum")   \
+  X(END, "ball-end")     \
   X(BLADE, "ball-blade")
 #define EM_CLASS_ENUM(code, text) EM_CLASS_##code,
 enum em_class { EM_CLASS_LIST(EM_CLASS_ENUM) EM_CLASS_COUNT };
 #undef EM_CLASS_ENUM
 
 /* code, name, number of parameters, names and defaults of the parameters are in contact.c. */
-#define EM_LAW_LIST(X)                                                         \
-  X(CONSTANT, "constant")                                                      \
-  X(SALO, "salo")                                                              \
-  X(ANDREWS, "andrews")                                                        \
-  X(SPAHN, "spahn")                                                            \
-  X(POWER2, "power2")                                                          \
-  X(POWER4, "power4")                                                          \
-  X(EXPONENTIAL, "exponential")                                                \
+#define EM_LAW_LIST(X)          \
+  X(CONSTANT, "constant")       \
+  X(SALO, "salo")               \
+  X(ANDREWS, "andrews")         \
+  X(SPAHN, "spahn")             \
+  X(POWER2, "power2")           \
+  X(POWER4, "power4")           \
+  X(EXPONENTIAL, "exponential") \
   X(VISCOELASTIC, "viscoelastic")
 #define EM_LAW_ENUM(code, text) EM_LAW_##code,
 enum em_law { EM_LAW_LIST(EM_LAW_ENUM) EM_LAW_COUNT };
@@ -34,10 +34,10 @@ enum em_law { EM_LAW_LIST(EM_LAW_ENUM) EM_LAW_COUNT };
 
 enum { EM_LAW_PARAMETERS = 4 };
 
-#define EM_RULE_LIST(X)                                                        \
-  X(ROUGH, "rough")                                                            \
-  X(FRICTION, "friction")                                                      \
-  X(REICHARDT2005, "reichardt2005")                                            \
+#define EM_RULE_LIST(X)             \
+  X(ROUGH, "rough")                 \
+  X(FRICTION, "friction")           \
+  X(REICHARDT2005, "reichardt2005") \
   X(SMOOTH, "smooth")
 #define EM_RULE_ENUM(code, text) EM_RULE_##code,
 enum em_rule { EM_RULE_LIST(EM_RULE_ENUM) EM_RULE_COUNT };
@@ -84,14 +84,16 @@ double em_contact_restitution(const struct em_restitution *law, double vn);
 
 /* Impulse on ball i. e: unit normal from the partner to the ball; g: velocity of the ball's surface
  * relative to the partner's at the point of contact (9-6); m_eff: m_i m_j/(m_i+m_j), or m_i for a
- * wall. frictionless: leave the tangential part out (jam remedy); elastic: take ε_n = 1 (TC model). */
+ * wall. frictionless: leave the tangential part out (jam remedy); elastic: take ε_n = 1 (TC model).
+ */
 struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_eff,
                                      struct em_vec e, struct em_vec g, bool frictionless,
                                      bool elastic);
 
-/* k such that a ball of mass m (kg) and radius R (m) changes its spin by Δω = k e × P_t, where e points to
- * the ball i that gets P_t. The partner j, with its own m and R, has its k with the *same* e and P_t.
- * −5/(2 m R); `reichardt2005`: −R/m (9-9, 9-17; docs/physics.md on the sign); `smooth`: 0. */
+/* k such that a ball of mass m (kg) and radius R (m) changes its spin by Δω = k e × P_t, where e
+ * points to the ball i that gets P_t. The partner j, with its own m and R, has its k with the
+ * *same* e and P_t. −5/(2 m R); `reichardt2005`: −R/m (9-9, 9-17; docs/physics.md on the sign);
+ * `smooth`: 0. */
 double em_contact_spin_factor(enum em_rule rule, double m, double radius);
 
 /* Does the rule read or change spins? */

@@ -3,17 +3,17 @@
 #define EVENTMILL_ERROR_H
 
 /* code, text: the one list from which the enum and the messages are made. */
-#define EM_STATUS_LIST(X)                                                      \
-  X(OK, "done")                                                                \
-  X(INPUT, "bad input")                                                        \
-  X(MEMORY, "out of memory")                                                   \
-  X(FILE, "file error")                                                        \
-  X(FORMAT, "not a valid run file")                                            \
-  X(NUMERIC, "numerical failure")                                              \
-  X(COLLAPSE, "inelastic collapse")                                            \
-  X(JAM, "jam without exit")                                                   \
-  X(STOPPED, "stopped on request")                                             \
-  X(PICTURE, "drawing failed")                                                 \
+#define EM_STATUS_LIST(X)           \
+  X(OK, "done")                     \
+  X(INPUT, "bad input")             \
+  X(MEMORY, "out of memory")        \
+  X(FILE, "file error")             \
+  X(FORMAT, "not a valid run file") \
+  X(NUMERIC, "numerical failure")   \
+  X(COLLAPSE, "inelastic collapse") \
+  X(JAM, "jam without exit")        \
+  X(STOPPED, "stopped on request")  \
+  X(PICTURE, "drawing failed")      \
   X(INTERNAL, "internal inconsistency")
 
 #define EM_STATUS_ENUM(code, text) EM_##code,

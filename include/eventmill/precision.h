@@ -18,7 +18,8 @@
 enum em_precision_kind { EM_PRECISION_LIST(EM_PRECISION_ENUM) EM_PRECISION_COUNT };
 #undef EM_PRECISION_ENUM
 
-/* "rate(vn>3)=1%": a figure, and the relative half width that its confidence interval shall have. */
+/* "rate(vn>3)=1%": a figure, and the relative half width that its confidence interval shall have.
+ */
 struct em_precision_target {
   enum em_precision_kind kind;
   double above;  /* m/s, for RATE */

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-const char *em_provenance_version(void);  /* with the repository's state: "0.1.0 (1a2b3c4)" */
+const char *em_provenance_version(void); /* with the repository's state: "0.1.0 (1a2b3c4)" */
 const char *em_provenance_compiler(void);
 
 /* Names and versions of the libraries (HDF5, GSL: those that are loaded), cut to `size` bytes. */

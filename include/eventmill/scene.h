@@ -16,8 +16,8 @@
 
 enum { EM_SCENE_NAME = 64, EM_SCENE_PATH = 1024 };
 
-#define EM_SHAPE_LIST(X)                                                       \
-  X(DRUM, "drum")                                                              \
+#define EM_SHAPE_LIST(X) \
+  X(DRUM, "drum")        \
   X(BOX, "box")
 #define EM_SHAPE_ENUM(code, text) EM_SHAPE_##code,
 enum em_shape { EM_SHAPE_LIST(EM_SHAPE_ENUM) EM_SHAPE_COUNT };
@@ -31,8 +31,8 @@ struct em_chamber {
   bool periodic[3];   /* box: x, y, z. Default: false */
   double rpm;         /* drum and its end walls turn about +y. Default: 0 */
   int facets;         /* drum: flat sides around it instead of a round wall; 0: round. Default: 0 */
-  double ramp_half;   /* rad, half width of the faked ramps' two sectors (top, bottom). Default: 0 */
-  double ramp_tilt;   /* rad, by which their normal is turned against the ball's x motion */
+  double ramp_half; /* rad, half width of the faked ramps' two sectors (top, bottom). Default: 0 */
+  double ramp_tilt; /* rad, by which their normal is turned against the ball's x motion */
 };
 
 /* One rotor; its blades carry their own position, angle, speed. */
@@ -64,32 +64,32 @@ struct em_species {
   double speed;    /* m/s, isotropic. Default: 1 */
   enum em_start start;
   bool has_region;
-  struct em_vec low, high; /* m, box in which the centres start; whole chamber by default */
-  struct em_vec *position; /* count, m, for `table`, owned; else NULL */
-  struct em_vec *velocity; /* count, m/s, for `table`, owned; else NULL */
-  struct em_vec *spin;     /* count, rad/s, for `table`, owned; may be NULL (0) */
+  struct em_vec low, high;  /* m, box in which the centres start; whole chamber by default */
+  struct em_vec *position;  /* count, m, for `table`, owned; else NULL */
+  struct em_vec *velocity;  /* count, m/s, for `table`, owned; else NULL */
+  struct em_vec *spin;      /* count, rad/s, for `table`, owned; may be NULL (0) */
   char from[EM_SCENE_PATH]; /* run file, for `run` */
 };
 
-#define EM_LISTS_LIST(X)                                                       \
+#define EM_LISTS_LIST(X)                                                          \
   X(CALENDAR, "calendar") /* earliest event per ball, bounded-increasing queue */ \
   X(TREE, "tree")         /* all predictions, local and global red-black trees */
 #define EM_LISTS_ENUM(code, text) EM_LISTS_##code,
 enum em_lists { EM_LISTS_LIST(EM_LISTS_ENUM) EM_LISTS_COUNT };
 #undef EM_LISTS_ENUM
 
-#define EM_PARTITION_LIST(X)                                                   \
-  X(NEIGHBOURS, "neighbours") /* near-neighbour lists with a skin */           \
-  X(CELLS, "cells")           /* cubes */                                      \
-  X(SLICES, "slices")         /* discs along y with check-in and check-out */  \
+#define EM_PARTITION_LIST(X)                                                  \
+  X(NEIGHBOURS, "neighbours") /* near-neighbour lists with a skin */          \
+  X(CELLS, "cells")           /* cubes */                                     \
+  X(SLICES, "slices")         /* discs along y with check-in and check-out */ \
   X(NONE, "none")             /* every ball is tested against every other */
 #define EM_PARTITION_ENUM(code, text) EM_PARTITION_##code,
 enum em_partition { EM_PARTITION_LIST(EM_PARTITION_ENUM) EM_PARTITION_COUNT };
 #undef EM_PARTITION_ENUM
 
-#define EM_ACCURACY_LIST(X)                                                    \
-  X(STANDARD, "standard")                                                      \
-  X(FAST, "fast")                                                              \
+#define EM_ACCURACY_LIST(X) \
+  X(STANDARD, "standard")   \
+  X(FAST, "fast")           \
   X(REFERENCE, "reference")
 #define EM_ACCURACY_ENUM(code, text) EM_ACCURACY_##code,
 enum em_accuracy { EM_ACCURACY_LIST(EM_ACCURACY_ENUM) EM_ACCURACY_COUNT };
@@ -99,10 +99,10 @@ struct em_engine {
   enum em_lists lists;
   enum em_partition partition;
   enum em_accuracy accuracy;
-  int slices;              /* for `slices`; 0: as many as fit, at most 26. Default: 0 */
-  double skin;             /* for `neighbours`, in ball diameters; 0: chosen. Default: 0 */
-  bool simd;               /* pair tests by vectors; same bits. Default: true */
-  struct em_roots roots;   /* Defaults: those of the accuracy level */
+  int slices;            /* for `slices`; 0: as many as fit, at most 26. Default: 0 */
+  double skin;           /* for `neighbours`, in ball diameters; 0: chosen. Default: 0 */
+  bool simd;             /* pair tests by vectors; same bits. Default: true */
+  struct em_roots roots; /* Defaults: those of the accuracy level */
 };
 
 /* Remedies of spec section 4; each is off (0) unless asked for, and counted. */
@@ -143,19 +143,19 @@ struct em_scene {
 };
 
 /* Effects: what a scene calls for, and what its loop is compiled with. */
-#define EM_EFFECT_LIST(X)                                                      \
-  X(GRAVITY, "gravity")                                                        \
-  X(SPIN, "spin")                                                              \
-  X(ROTOR, "rotor")                                                            \
-  X(PERIODIC, "periodic")                                                      \
-  X(MIXED, "mixed")          /* balls of different diameter or mass */         \
-  X(RESTITUTION, "restitution") /* ε_n depends on the speed */                 \
-  X(TC, "tc")                                                                  \
-  X(ELASTIC, "elastic-below")                                                  \
-  X(JAM, "jam")                                                                \
-  X(RAMPS, "ramps")                                                            \
-  X(FACETS, "facets")                                                          \
-  X(TURNING, "turning-drum")                                                   \
+#define EM_EFFECT_LIST(X)                                                 \
+  X(GRAVITY, "gravity")                                                   \
+  X(SPIN, "spin")                                                         \
+  X(ROTOR, "rotor")                                                       \
+  X(PERIODIC, "periodic")                                                 \
+  X(MIXED, "mixed")             /* balls of different diameter or mass */ \
+  X(RESTITUTION, "restitution") /* ε_n depends on the speed */           \
+  X(TC, "tc")                                                             \
+  X(ELASTIC, "elastic-below")                                             \
+  X(JAM, "jam")                                                           \
+  X(RAMPS, "ramps")                                                       \
+  X(FACETS, "facets")                                                     \
+  X(TURNING, "turning-drum")                                              \
   X(COLLISIONS, "collision-table")
 #define EM_EFFECT_ENUM(code, text) EM_EFFECT_BIT_##code,
 enum em_effect_bit { EM_EFFECT_LIST(EM_EFFECT_ENUM) EM_EFFECT_COUNT };

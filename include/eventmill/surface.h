@@ -1,10 +1,11 @@
 /* When does a ball's centre, in free flight r + v t + ½ g t², first touch a surface?
  *
- * All functions return the time (s, ≥ 0) after t = 0 of the first contact, or INFINITY when there is
- * none up to `horizon`. A result is a function of the state alone: a smaller horizon never changes
- * the bits of a time that is returned. The sign rule holds for every surface: a ball that overlaps
- * by rounding and approaches has its contact now (0); one that overlaps and parts has none there.
- * `touched`: the ball's last contact was with this very surface, at t = 0: that root is no event. */
+ * All functions return the time (s, ≥ 0) after t = 0 of the first contact, or INFINITY when there
+ * is none up to `horizon`. A result is a function of the state alone: a smaller horizon never
+ * changes the bits of a time that is returned. The sign rule holds for every surface: a ball that
+ * overlaps by rounding and approaches has its contact now (0); one that overlaps and parts has none
+ * there. `touched`: the ball's last contact was with this very surface, at t = 0: that root is no
+ * event. */
 #ifndef EVENTMILL_SURFACE_H
 #define EVENTMILL_SURFACE_H
 
@@ -12,9 +13,9 @@
 
 #include "eventmill/vec.h"
 
-#define EM_TIP_LIST(X)                                                         \
-  X(FLAT, "flat")                                                              \
-  X(HEMISPHERE, "hemisphere")                                                  \
+#define EM_TIP_LIST(X)        \
+  X(FLAT, "flat")             \
+  X(HEMISPHERE, "hemisphere") \
   X(NONE, "none")
 #define EM_TIP_ENUM(code, text) EM_TIP_##code,
 enum em_tip { EM_TIP_LIST(EM_TIP_ENUM) EM_TIP_COUNT };
@@ -22,12 +23,12 @@ enum em_tip { EM_TIP_LIST(EM_TIP_ENUM) EM_TIP_COUNT };
 
 /* How the drum's quartic is solved. Those before `ferrari` never miss a contact; the others are
  * what the field uses, and the reference. */
-#define EM_QUARTIC_LIST(X)                                                               \
-  X(SAFE, "safe")                       /* guaranteed Newton from below on a parabola */ \
-  X(BRACKET, "bracket")                 /* roots of the derivatives as brackets */       \
-  X(FERRARI_NEWTON, "ferrari+newton")   /* closed form, one Newton step, checked */      \
-  X(FERRARI, "ferrari")                 /* closed form alone */                          \
-  X(GSL, "gsl")                         /* GSL's eigenvalues of the companion matrix */
+#define EM_QUARTIC_LIST(X)                                                             \
+  X(SAFE, "safe")                     /* guaranteed Newton from below on a parabola */ \
+  X(BRACKET, "bracket")               /* roots of the derivatives as brackets */       \
+  X(FERRARI_NEWTON, "ferrari+newton") /* closed form, one Newton step, checked */      \
+  X(FERRARI, "ferrari")               /* closed form alone */                          \
+  X(GSL, "gsl")                       /* GSL's eigenvalues of the companion matrix */
 #define EM_QUARTIC_ENUM(code, text) EM_QUARTIC_##code,
 enum em_quartic { EM_QUARTIC_LIST(EM_QUARTIC_ENUM) EM_QUARTIC_COUNT };
 #undef EM_QUARTIC_ENUM
@@ -79,7 +80,8 @@ double em_surface_drum_within(double px, double pz, double vx, double vz, double
                               double horizon);
 
 /* A ball of radius R against a blade that stands at angle `angle` at t = 0. r is the ball's centre
- * in the frame of the scene. steps (may be NULL) is increased by the evaluations of the distance. */
+ * in the frame of the scene. steps (may be NULL) is increased by the evaluations of the distance.
+ */
 double em_surface_blade(const struct em_blade *blade, struct em_vec r, struct em_vec v,
                         struct em_vec g, double radius, double angle, bool touched, double horizon,
                         unsigned *steps);

@@ -8,16 +8,16 @@
 #include "eventmill/surface.h"
 #include "eventmill/vec.h"
 
-#define EM_SEARCH_LIST(X)                                   \
-  X(SAFE, "safe")   /* jumps over no contact */             \
+#define EM_SEARCH_LIST(X)                       \
+  X(SAFE, "safe")   /* jumps over no contact */ \
   X(STEPS, "steps") /* the heuristic of Reichardt 2005, 8.4 */
 #define EM_SEARCH_ENUM(code, text) EM_SEARCH_##code,
 enum em_search { EM_SEARCH_LIST(EM_SEARCH_ENUM) EM_SEARCH_COUNT };
 #undef EM_SEARCH_ENUM
 
-#define EM_POLISH_LIST(X)                                   \
-  X(NONE, "none")                                           \
-  X(EXTENDED, "extended") /* 64 bits (x87) */               \
+#define EM_POLISH_LIST(X)                     \
+  X(NONE, "none")                             \
+  X(EXTENDED, "extended") /* 64 bits (x87) */ \
   X(QUAD, "quad")         /* 113 bits: right to 1 ulp */
 #define EM_POLISH_ENUM(code, text) EM_POLISH_##code,
 enum em_polish { EM_POLISH_LIST(EM_POLISH_ENUM) EM_POLISH_COUNT };

@@ -1,4 +1,5 @@
-/* Three-dimensional vectors, by value. The order of every sum is fixed: results are reproducible. */
+/* Three-dimensional vectors, by value. The order of every sum is fixed: results are reproducible.
+ */
 #ifndef EVENTMILL_VEC_H
 #define EVENTMILL_VEC_H
 

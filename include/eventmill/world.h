@@ -16,7 +16,7 @@ struct em_world;
 
 /* One contact, as observers see it. */
 struct em_contact {
-  double time;          /* s since the start of the run */
+  double time; /* s since the start of the run */
   enum em_class cls;
   uint32_t ball;        /* index of the ball (the smaller one of a pair) */
   uint32_t partner;     /* the other ball, or the surface: blade number for EM_CLASS_BLADE, wall
@@ -37,18 +37,22 @@ struct em_observer {
 
 /* Histogram of v_n: EM_TALLY_PER_OCTAVE bins per factor of two, the edges of the bins of
  * an octave equally spaced; bin k begins at em_world_bin_edge(k). */
-enum { EM_TALLY_PER_OCTAVE = 64, EM_TALLY_OCTAVES = 40, EM_TALLY_LOWEST = -30,
-       EM_TALLY_BINS = EM_TALLY_PER_OCTAVE * EM_TALLY_OCTAVES };
+enum {
+  EM_TALLY_PER_OCTAVE = 64,
+  EM_TALLY_OCTAVES = 40,
+  EM_TALLY_LOWEST = -30,
+  EM_TALLY_BINS = EM_TALLY_PER_OCTAVE * EM_TALLY_OCTAVES
+};
 
 /* What the engine counts while it runs; all since the start of the run. */
 struct em_tally {
   uint64_t collisions[EM_CLASS_COUNT];
-  double lost[EM_CLASS_COUNT]; /* J, dissipated */
+  double lost[EM_CLASS_COUNT];             /* J, dissipated */
   double collision_energy[EM_CLASS_COUNT]; /* J, Σ ½ m v_n² (20-2), m = m_eff */
   uint64_t vn[EM_CLASS_COUNT][EM_TALLY_BINS];
-  double drum_work;            /* J, done by a turning drum and its end walls */
-  uint64_t tc, elastic, jam;   /* contacts on which a remedy acted */
-  uint64_t stale, transfers;   /* invalid events; virtual events of the partition */
+  double drum_work;                 /* J, done by a turning drum and its end walls */
+  uint64_t tc, elastic, jam;        /* contacts on which a remedy acted */
+  uint64_t stale, transfers;        /* invalid events; virtual events of the partition */
   uint64_t predictions, candidates; /* searches of one ball's next event; pairs tested */
   uint64_t blade_searches, blade_steps, epochs;
 };
@@ -64,15 +68,15 @@ struct em_blade_tally {
  * epoch; spin may be NULL. A plain copy: owned by whoever made it. */
 struct em_snapshot {
   uint32_t count, blade_count;
-  uint64_t epoch;            /* epochs gone */
-  double clock;              /* s within the epoch */
-  struct em_vec *position;   /* m, at each ball's own time */
-  struct em_vec *velocity;   /* m/s */
-  struct em_vec *spin;       /* rad/s or NULL */
-  double *time;              /* s within the epoch: when the ball's last real event was */
-  uint32_t *last;            /* code of the last partner */
-  uint32_t *streak;          /* contacts in a row */
-  double *blade_angle;       /* blade_count, rad at the epoch's start */
+  uint64_t epoch;               /* epochs gone */
+  double clock;                 /* s within the epoch */
+  struct em_vec *position;      /* m, at each ball's own time */
+  struct em_vec *velocity;      /* m/s */
+  struct em_vec *spin;          /* rad/s or NULL */
+  double *time;                 /* s within the epoch: when the ball's last real event was */
+  uint32_t *last;               /* code of the last partner */
+  uint32_t *streak;             /* contacts in a row */
+  double *blade_angle;          /* blade_count, rad at the epoch's start */
   struct em_blade_tally *blade; /* blade_count */
   struct em_tally tally;
 };
@@ -89,8 +93,8 @@ enum em_status em_world_observe(struct em_world *world, const struct em_observer
 /* Works off all events before `until` (s since the start). *stop, when it turns non-zero, ends the
  * run between two events (EM_STOPPED); stop may be NULL. Errors: EM_COLLAPSE, EM_JAM,
  * EM_MEMORY, EM_INTERNAL. After an error the state is that before the event in question. */
-enum em_status em_world_run(struct em_world *world, double until,
-                            const volatile sig_atomic_t *stop, struct em_error *err);
+enum em_status em_world_run(struct em_world *world, double until, const volatile sig_atomic_t *stop,
+                            struct em_error *err);
 
 /* As em_world_run, but ends after `count` collisions as well. */
 enum em_status em_world_run_collisions(struct em_world *world, double until, uint64_t count,

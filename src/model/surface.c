@@ -231,8 +231,9 @@ static double companion(const double *q, int degree) {
   return first_of(q, degree, root, count);
 }
 
-static inline __attribute__((always_inline)) double solve(const double *q, int degree, double guess, enum em_quartic solver, double floor,
-                    double horizon) {
+static inline __attribute__((always_inline)) double solve(const double *q, int degree, double guess,
+                                                          enum em_quartic solver, double floor,
+                                                          double horizon) {
   if (is_far(q, degree, horizon)) return INFINITY;
   switch (solver) {
   case EM_QUARTIC_SAFE:

@@ -74,10 +74,10 @@ static double POLISH(plane)(double t, double gap, double rate, double fall, bool
 static double POLISH(drum)(double t, struct em_vec p, struct em_vec v, struct em_vec g, double rho,
                            bool touched) {
   const REAL px = p.x, pz = p.z, vx = v.x, vz = v.z, gx = g.x, gz = g.z, big = rho;
-  struct POLISH(poly) q = {{px * px + pz * pz - big * big, 2 * (px * vx + pz * vz),
-                            vx * vx + vz * vz + px * gx + pz * gz, vx * gx + vz * gz,
-                            (gx * gx + gz * gz) / 4},
-                           4};
+  struct POLISH(poly)
+      q = {{px * px + pz * pz - big * big, 2 * (px * vx + pz * vz),
+            vx * vx + vz * vz + px * gx + pz * gz, vx * gx + vz * gz, (gx * gx + gz * gz) / 4},
+           4};
   if (touched) {
     for (int k = 0; k < 4; k++)
       q.a[k] = q.a[k + 1];

@@ -38,9 +38,8 @@ double em_surface_roots_drum(const struct em_roots *how, struct em_vec r, struct
                              struct em_vec g, double rho, double radius, bool touched,
                              double horizon) {
   if (is_short(how, r, v, g, rho, radius)) g = em_vec_make(0.0, 0.0, 0.0);
-  const double t =
-      em_surface_drum_within(r.x, r.z, v.x, v.z, g.x, g.z, rho, touched, how->quartic,
-                             how->tolerance * 2.0 * radius, horizon);
+  const double t = em_surface_drum_within(r.x, r.z, v.x, v.z, g.x, g.z, rho, touched, how->quartic,
+                                          how->tolerance * 2.0 * radius, horizon);
   if (!(t > 0.0 && t < INFINITY) || how->polish == EM_POLISH_NONE) return t;
   return how->polish == EM_POLISH_QUAD ? drum_quad(t, r, v, g, rho, touched)
                                        : drum_extended(t, r, v, g, rho, touched);

@@ -100,8 +100,8 @@ static void block_figures(const struct em_summary_part *part, double start, doub
     n++;
   }
   *speed = n > 0 ? sum / (double)n : NAN;
-  *power = n > 1 ? (part->work[last] - part->work[first]) / (part->time[last] - part->time[first])
-                 : NAN;
+  *power =
+      n > 1 ? (part->work[last] - part->work[first]) / (part->time[last] - part->time[first]) : NAN;
 }
 
 /* Takes a block to the figures whose precision counts. */
@@ -409,8 +409,8 @@ static enum em_status reload_blocks(struct recorder *r, const struct em_run_file
       em_summary_block(&r->part, em_run_file_block_start(file, k), em_run_file_block_end(file, k),
                        r->block);
     if (!status)
-      status = add_precision(r, em_run_file_block_start(file, k), em_run_file_block_end(file, k),
-                             err);
+      status =
+          add_precision(r, em_run_file_block_start(file, k), em_run_file_block_end(file, k), err);
   }
   return status;
 }

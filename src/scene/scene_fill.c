@@ -303,9 +303,9 @@ static void match_shape(struct em_scene_report *report, const config_setting_t *
     enum em_shape shape;
     bool needed;
   } belongs[] = {{"diameter", EM_SHAPE_DRUM, true}, {"length", EM_SHAPE_DRUM, true},
-                 {"facets", EM_SHAPE_DRUM, false},
-                 {"rpm", EM_SHAPE_DRUM, false},     {"ramps", EM_SHAPE_DRUM, false},
-                 {"size", EM_SHAPE_BOX, true},      {"periodic", EM_SHAPE_BOX, false}};
+                 {"facets", EM_SHAPE_DRUM, false},  {"rpm", EM_SHAPE_DRUM, false},
+                 {"ramps", EM_SHAPE_DRUM, false},   {"size", EM_SHAPE_BOX, true},
+                 {"periodic", EM_SHAPE_BOX, false}};
   for (size_t k = 0; k < sizeof belongs / sizeof belongs[0]; ++k) {
     const config_setting_t *setting = config_setting_get_member(group, belongs[k].name);
     if (setting && belongs[k].shape != shape)

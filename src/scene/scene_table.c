@@ -62,7 +62,8 @@ static const struct em_scene_entry chamber[] = {
     {"rpm", EM_KIND_REAL, AT(em_chamber, rpm), "0", ANY, "1/min",
      "of the drum and its end walls about +y"},
     {"facets", EM_KIND_INTEGER, AT(em_chamber, facets), "0", RANGE(0, 100000), "",
-     "flat sides that touch the drum from outside, instead of its round wall; at least 3; 0: round"},
+     "flat sides that touch the drum from outside, instead of its round wall; at least 3; 0: "
+     "round"},
     {"ramps", EM_KIND_SPECIAL, NOWHERE, NULL, ANY, "",
      "group: two sectors of the drum with a turned normal (the reference's ramps)"},
 };
@@ -190,7 +191,8 @@ static const struct em_scene_entry engine[] = {
      "gap with which searches for contacts with drum (quartic \"safe\") and blades are content; 0: "
      "rounding; 1e-6 for accuracy \"fast\""},
     {"shortcut", EM_KIND_REAL, AT(em_engine, roots.shortcut), "0", RANGE(0, 100), "ball diameters",
-     "so near to the drum, fast balls are taken to fly straight (the reference's shortcut); 0: off"},
+     "so near to the drum, fast balls are taken to fly straight (the reference's shortcut); 0: "
+     "off"},
     {"polish", EM_KIND_NAME, AT(em_engine, roots.polish), "none", ONE_OF(polishes), "",
      "precision in which contact times are finished: double, 64 or 113 bits; \"quad\" for accuracy "
      "\"reference\""},

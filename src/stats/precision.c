@@ -140,10 +140,11 @@ struct em_interval em_precision_figure(const struct em_precision *p, size_t bloc
 /* ---------------------------------------------------------------- what is asked for */
 
 static enum em_status refuse(const char *text, struct em_error *err) {
-  return em_error_set(err, EM_INPUT, NULL, 0,
-                      "'%s': expected median(speed), median(vn), rate(vn>SPEED) or power, '=', and a "
-                      "precision such as 1%% or 0.01",
-                      text);
+  return em_error_set(
+      err, EM_INPUT, NULL, 0,
+      "'%s': expected median(speed), median(vn), rate(vn>SPEED) or power, '=', and a "
+      "precision such as 1%% or 0.01",
+      text);
 }
 
 static enum em_status read_one(struct em_precision_target *target, const char *text,

@@ -10,7 +10,8 @@
 void em_grid_free(struct em_grid *grid) {
   for (size_t c = 0; c < grid->columns; c++) {
     if (grid->column[c].word)
-      for (size_t r = 0; r < grid->rows; r++) free(grid->column[c].word[r]);
+      for (size_t r = 0; r < grid->rows; r++)
+        free(grid->column[c].word[r]);
     free(grid->column[c].word);
     free(grid->column[c].number);
   }
@@ -32,8 +33,7 @@ bool em_grid_put(struct em_grid_column *column, size_t row, const char *word) {
 
 struct em_grid_column *em_grid_add(struct em_grid *grid, const char *key, const char *unit,
                                    bool words) {
-  struct em_grid_column *more =
-      realloc(grid->column, (grid->columns + 1) * sizeof *grid->column);
+  struct em_grid_column *more = realloc(grid->column, (grid->columns + 1) * sizeof *grid->column);
   if (!more) return NULL;
   grid->column = more;
   struct em_grid_column *column = &more[grid->columns];
@@ -110,7 +110,8 @@ static enum em_status settle(struct em_grid_column *column, size_t rows, struct 
 static size_t count_rows(FILE *in) {
   char *line = NULL;
   size_t size = 0, rows = 0;
-  while (getline(&line, &size, in) >= 0) rows += is_row(line);
+  while (getline(&line, &size, in) >= 0)
+    rows += is_row(line);
   free(line);
   rewind(in);
   return rows > 0 ? rows - 1 : 0;
@@ -165,7 +166,8 @@ static bool write_words(const struct em_grid_column *column, size_t rows, hid_t 
   }
   char *all = calloc(rows, width);
   if (!all) return false;
-  for (size_t r = 0; r < rows; r++) memcpy(all + r * width, column->word[r], strlen(column->word[r]));
+  for (size_t r = 0; r < rows; r++)
+    memcpy(all + r * width, column->word[r], strlen(column->word[r]));
   const struct em_h5_shape shape = {1, {rows}};
   const hid_t type = H5Tcopy(H5T_C_S1);
   bool good = H5Tset_size(type, width) >= 0 && H5Tset_strpad(type, H5T_STR_NULLPAD) >= 0 &&

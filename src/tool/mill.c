@@ -32,7 +32,8 @@ static void print_help(FILE *out) {
 static void print_version(void) {
   char libraries[256];
   em_provenance_libraries(libraries, sizeof libraries);
-  printf("mill (Eventmill) %s\n%s\n%s\n", em_provenance_version(), em_provenance_compiler(), libraries);
+  printf("mill (Eventmill) %s\n%s\n%s\n", em_provenance_version(), em_provenance_compiler(),
+         libraries);
 }
 
 static int dispatch(int argc, char **argv) {

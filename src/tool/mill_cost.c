@@ -14,7 +14,8 @@ static const char help[] =
     "Usage: mill cost SCENE [KEY=VALUE ...] [OPTION ...]\n\n"
     "Measures on this scene what accuracy, effects and statistics cost. Runs it to its steady\n"
     "state, then every variant from there, in turns with the scene as it is. Prints tables:\n\n"
-    "  accuracy against time    knobs of the group engine: computing time, error of contact times,\n"
+    "  accuracy against time    knobs of the group engine: computing time, error of contact "
+    "times,\n"
     "                           missed and invented contacts, energy, shift of the key figures\n"
     "  effects against time     what each effect costs, and what leaving it out changes\n"
     "  statistics against time  confidence intervals against simulated time\n\n"
@@ -65,8 +66,7 @@ static int take(struct options *o, int letter, char **argv) {
   case 't':
     return read_number(optarg, 1e-9, 1e9, &o->time) ? -1 : usage("expected a time, found", optarg);
   case 's':
-    return read_number(optarg, 0.0, 1e9, &o->steady) ? -1
-                                                     : usage("expected a time, found", optarg);
+    return read_number(optarg, 0.0, 1e9, &o->steady) ? -1 : usage("expected a time, found", optarg);
   case 'n':
     return read_number(optarg, 1.0, 64.0, &o->rounds) ? -1
                                                       : usage("expected 1 to 64, found", optarg);
@@ -100,7 +100,8 @@ static int read_options(struct options *o, int argc, char **argv) {
   opterr = 0;
   optind = 1;
   int code = -1;
-  for (int letter; code < 0 && (letter = getopt_long(argc, argv, ":t:s:n:f:c:o:jqh", known, NULL)) != -1;)
+  for (int letter;
+       code < 0 && (letter = getopt_long(argc, argv, ":t:s:n:f:c:o:jqh", known, NULL)) != -1;)
     code = take(o, letter, argv);
   if (code >= 0) return code;
   o->scene.overrides = calloc((size_t)argc + 1, sizeof *o->scene.overrides);
@@ -136,7 +137,8 @@ static enum em_status measure(struct em_cost *cost, struct em_error *err) {
   em_mill_cost_variants(cost);
   status = em_mill_cost_flights(cost, err);
   for (size_t k = 0; k < cost->count && !status; k++) {
-    em_mill_cost_tell(cost, (double)(k + 1) / (double)(cost->count + 1), cost->result[k].variant.name);
+    em_mill_cost_tell(cost, (double)(k + 1) / (double)(cost->count + 1),
+                      cost->result[k].variant.name);
     status = em_mill_cost_run_variant(cost, &cost->result[k], err);
   }
   return status;

@@ -1,4 +1,5 @@
-/* What accuracy and effects cost on a scene: the variants that are measured, and what is measured. */
+/* What accuracy and effects cost on a scene: the variants that are measured, and what is measured.
+ */
 #ifndef EVENTMILL_MILL_COST_H
 #define EVENTMILL_MILL_COST_H
 

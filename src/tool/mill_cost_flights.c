@@ -1,5 +1,5 @@
-/* Errors of contact times: free flights of the scene, as they really were, asked of every variant and of
- * the search in 113 bits. */
+/* Errors of contact times: free flights of the scene, as they really were, asked of every variant
+ * and of the search in 113 bits. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -87,9 +87,9 @@ static double facets(const struct em_scene *scene, const struct flight *f, doubl
   double first = INFINITY;
   for (int k = 0; k < n; k++) {
     const double a = 2.0 * M_PI * k / n, x = sin(a), z = cos(a);
-    first = fmin(first, em_surface_plane(rho - (f->r.x * x + f->r.z * z),
-                                         -(f->v.x * x + f->v.z * z),
-                                         -(scene->gravity.x * x + scene->gravity.z * z), false));
+    first =
+        fmin(first, em_surface_plane(rho - (f->r.x * x + f->r.z * z), -(f->v.x * x + f->v.z * z),
+                                     -(scene->gravity.x * x + scene->gravity.z * z), false));
   }
   return first <= horizon ? first : INFINITY;
 }
@@ -199,8 +199,8 @@ static enum em_status make_room(struct sample *s, const struct em_cost *cost,
 
 enum em_status em_mill_cost_flights(struct em_cost *cost, struct em_error *err) {
   struct sample s = {.scene = cost->scene};
-  const bool drum_or_blade = cost->scene->chamber.shape == EM_SHAPE_DRUM ||
-                             em_scene_blade_count(cost->scene) > 0;
+  const bool drum_or_blade =
+      cost->scene->chamber.shape == EM_SHAPE_DRUM || em_scene_blade_count(cost->scene) > 0;
   if (!drum_or_blade || cost->flights == 0) return EM_OK;
   enum em_status status = make_room(&s, cost, err);
   if (!status) status = gather(&s, cost, err);

@@ -181,15 +181,16 @@ static double energy_error(struct walker *w) {
   double lost = 0.0;
   for (int c = 0; c < EM_CLASS_COUNT; c++)
     lost += em_world_tally(w->world)->lost[c];
-  const double gap = (a.kinetic + a.spin + a.potential) + work - lost -
-                     (b.kinetic + b.spin + b.potential);
+  const double gap =
+      (a.kinetic + a.spin + a.potential) + work - lost - (b.kinetic + b.spin + b.potential);
   const double scale = fmax(fmax(a.kinetic + a.spin, b.kinetic + b.spin), fmax(fabs(work), lost));
   return scale > 0.0 ? fabs(gap) / scale : 0.0;
 }
 
 static void take_figures(const struct em_precision *p, struct em_interval *figure) {
   for (int k = 0; k < EM_PRECISION_COUNT; k++)
-    figure[k] = em_precision_figure(p, em_precision_blocks(p), (enum em_precision_kind)k, 3.0, 0.95);
+    figure[k] =
+        em_precision_figure(p, em_precision_blocks(p), (enum em_precision_kind)k, 3.0, 0.95);
 }
 
 /* ---------------------------------------------------------------- the scene as it is */

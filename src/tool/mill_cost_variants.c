@@ -8,8 +8,7 @@
 
 /* words: KEY=VALUE, separated by blanks. */
 static void add(struct em_cost *cost, enum em_cost_group group, enum em_cost_change change,
-                const char *name, const char *format, ...)
-    __attribute__((format(printf, 5, 6)));
+                const char *name, const char *format, ...) __attribute__((format(printf, 5, 6)));
 
 static void add(struct em_cost *cost, enum em_cost_group group, enum em_cost_change change,
                 const char *name, const char *format, ...) {
@@ -91,8 +90,7 @@ static void add_effects(struct em_cost *cost, unsigned effects) {
   }
   if (effects & EM_EFFECT_RESTITUTION)
     add(cost, EM_COST_EFFECT, EM_COST_AS_IS, "constant restitution, TC",
-        "contact.normal=%.6f remedy.tc=1e-6",
-        typical_restitution(cost));
+        "contact.normal=%.6f remedy.tc=1e-6", typical_restitution(cost));
   else
     effect(cost, "restitution falls with speed", "contact.normal=spahn");
   if (effects & EM_EFFECT_ROTOR) {

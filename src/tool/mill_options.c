@@ -7,14 +7,10 @@
 #include "tool/mill.h"
 
 static const struct option known[] = {
-    {"output", required_argument, NULL, 'o'},
-    {"resume", no_argument, NULL, 'r'},
-    {"force", no_argument, NULL, 'f'},
-    {"quiet", no_argument, NULL, 'q'},
-    {"json", no_argument, NULL, 'j'},
-    {"until-precision", required_argument, NULL, 'u'},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
+    {"output", required_argument, NULL, 'o'}, {"resume", no_argument, NULL, 'r'},
+    {"force", no_argument, NULL, 'f'},        {"quiet", no_argument, NULL, 'q'},
+    {"json", no_argument, NULL, 'j'},         {"until-precision", required_argument, NULL, 'u'},
+    {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0},
 };
 
 static int usage(const struct em_mill_help *help, const char *what, const char *word) {

@@ -77,8 +77,8 @@ static void show(void *self, const struct em_recorder_progress *now) {
   char text[128], rate[32];
   per_second(now->wall > 0.0 ? (double)(now->collisions - now->at_begin) / now->wall : 0.0, rate,
              sizeof rate);
-  snprintf(text, sizeof text, "%.4g/%.4g s  %s coll/s  %.2g x real time", now->time,
-           now->duration, rate, now->wall > 0.0 ? done / now->wall : 0.0);
+  snprintf(text, sizeof text, "%.4g/%.4g s  %s coll/s  %.2g x real time", now->time, now->duration,
+           rate, now->wall > 0.0 ? done / now->wall : 0.0);
   em_progress_show(self, &state, text);
 }
 
@@ -114,7 +114,8 @@ static int exit_code(enum em_status status, bool created) {
 /* What was asked for, and what was reached. */
 static void tell_reached(const struct em_recorder_options *record, bool enough, double time) {
   FILE *out = stderr;
-  fprintf(out, enough ? "precision reached at %.6g s\n" : "precision not reached by %.6g s\n", time);
+  fprintf(out, enough ? "precision reached at %.6g s\n" : "precision not reached by %.6g s\n",
+          time);
   for (size_t k = 0; k < record->target_count; k++) {
     const struct em_interval *got = &record->reached[k];
     char name[64];

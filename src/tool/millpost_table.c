@@ -20,7 +20,8 @@ static const struct em_millpost_help help = {
     .details =
         "POINTS.csv has a line of keys and a line per run; its column 'run' names the run files,\n"
         "from its own folder. All its columns come first in the table, then each key figure and\n"
-        "the half width of its confidence interval. Runs that are missing or not finished are left out.\n"
+        "the half width of its confidence interval. Runs that are missing or not finished are left "
+        "out.\n"
         "--of runs: a row per run (default)\n"
         "--of points: a row per value of the column 'point'; repeated runs are averaged\n"
         "--of provenance: version, machine and computing time of each run\n"
@@ -234,7 +235,8 @@ static size_t sort_members(const double *point, size_t rows, size_t *start, size
   start[0] = 0;
   for (size_t r = 0; r < rows; r++) {
     bool seen = false;
-    for (size_t k = 0; k < r && !seen; k++) seen = point[k] == point[r];
+    for (size_t k = 0; k < r && !seen; k++)
+      seen = point[k] == point[r];
     if (seen) continue;
     for (size_t k = r; k < rows; k++)
       if (point[k] == point[r]) member[filled++] = k;
@@ -295,8 +297,7 @@ static int print(const struct tables *t, const struct em_grid *grid, const char 
     em_report_fact(report, "level", "level of the intervals", o->level, "");
   }
   em_grid_report(grid, report, name);
-  if (t->missing > 0)
-    em_report_note(report, "%zu runs are missing or not finished", t->missing);
+  if (t->missing > 0) em_report_note(report, "%zu runs are missing or not finished", t->missing);
   return em_millpost_print(report, o, EM_MILLPOST_DONE);
 }
 
@@ -309,15 +310,15 @@ int em_millpost_table(int argc, char **argv) {
   const struct em_grid *const grids[] = {&t.runs, &t.points, &t.provenance};
   static const char *const names[] = {"runs", "points", "provenance"};
   int which = 0;
-  while (which < 3 && strcmp(of, names[which]) != 0) which++;
+  while (which < 3 && strcmp(of, names[which]) != 0)
+    which++;
   if (which == 3)
     return em_millpost_usage("table", "--of %s: expected runs, points or provenance", of);
   const char *slash = strrchr(o.run[0], '/');
   if (slash) snprintf(t.folder, sizeof t.folder, "%.*s/", (int)(slash - o.run[0]), o.run[0]);
   struct em_error err = {.code = EM_OK};
   enum em_status status = read_runs(&t, &o, &err);
-  if (status == EM_OK)
-    status = pool_runs(&t, t.runs.columns - (4 + 2 * EM_FIGURES_COUNT), &err);
+  if (status == EM_OK) status = pool_runs(&t, t.runs.columns - (4 + 2 * EM_FIGURES_COUNT), &err);
   if (status == EM_OK && o.out) status = write_file(&t, &o, &err);
   const int result =
       status == EM_OK ? print(&t, grids[which], names[which], &o) : em_millpost_fail(&err);

@@ -1,6 +1,6 @@
-/* Collisions per second of the engine, and what it does for each: the reference mill at 1700 rpm, and
- * gases of 10³ … 10⁶ balls. Usage: bench_engine [CASE [COLLISIONS]]; without a case all but those of
- * 10⁶ balls, which `large` adds. */
+/* Collisions per second of the engine, and what it does for each: the reference mill at 1700 rpm,
+ * and gases of 10³ … 10⁶ balls. Usage: bench_engine [CASE [COLLISIONS]]; without a case all but
+ * those of 10⁶ balls, which `large` adds. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +18,8 @@ static const char gas[] =
 
 struct item {
   const char *name;
-  size_t count;  /* 0: the mill */
-  double phi;    /* packing fraction */
+  size_t count; /* 0: the mill */
+  double phi;   /* packing fraction */
   bool periodic;
   const char *overrides; /* separated by spaces */
   double warm, measured; /* collisions per ball */
@@ -69,7 +69,8 @@ static struct em_scene *scene_of(const struct item *item, size_t extra, char **m
   size_t n = 0;
   for (char *w = strtok_r(words, " ", &save); w && n < 8; w = strtok_r(NULL, " ", &save))
     override[n++] = w;
-  for (size_t k = 0; k < extra && n < 16; k++) override[n++] = more[k];
+  for (size_t k = 0; k < extra && n < 16; k++)
+    override[n++] = more[k];
   enum em_status status;
   if (item->count == 0) {
     status = em_scene_read(&scene, mill, n, override, &err);
@@ -87,9 +88,8 @@ static struct em_scene *scene_of(const struct item *item, size_t extra, char **m
 }
 
 /* A function of its own, so that a profiler can be told to look at nothing else. */
-__attribute__((noinline)) static enum em_status measured(struct em_world *w, double until,
-                                                         uint64_t collisions,
-                                                         struct em_error *err) {
+__attribute__((noinline)) static enum em_status
+measured(struct em_world *w, double until, uint64_t collisions, struct em_error *err) {
   return em_world_run_collisions(w, until, collisions, NULL, err);
 }
 
@@ -145,7 +145,9 @@ int main(int argc, char **argv) {
   print_head();
   for (size_t k = 0; k < sizeof items / sizeof *items; k++) {
     const struct item *item = &items[k];
-    const bool wanted = !chosen ? !item->large : large ? item->large : strcmp(chosen, item->name) == 0;
+    const bool wanted = !chosen ? !item->large
+                        : large ? item->large
+                                : strcmp(chosen, item->name) == 0;
     if (!wanted) continue;
     found = true;
     bench(item, limit, argc > 3 ? (size_t)(argc - 3) : 0, argv + 3);

@@ -1,4 +1,5 @@
-/* The search for contacts with blades, where it is hard, against brute force with a certified bound. */
+/* The search for contacts with blades, where it is hard, against brute force with a certified
+ * bound. */
 #define CASES 2000
 int unit_main(void);
 #define main unit_main
@@ -27,8 +28,8 @@ static struct flight through_gap(int n) {
   const double room = f.blade.radius + f.radius + spread(1e-9, 1e-3);
   put(&f, f.blade.reach * uniform(0.2, 1.1), n % 2 ? room : -room);
   const struct em_vec side = across(f.blade.axis);
-  f.v = em_vec_axpy(em_vec_scale(spread(0.1, 10.0), side), sign() * spread(1e-9, 1e-1),
-                    f.blade.axis);
+  f.v =
+      em_vec_axpy(em_vec_scale(spread(0.1, 10.0), side), sign() * spread(1e-9, 1e-1), f.blade.axis);
   return f;
 }
 

@@ -1,5 +1,6 @@
-/* Collapses and jams: contacts without end. With a remedy the run goes on at a bounded cost and says how
- * often it acted; without, the engine notices, stops with a message, and the state stays valid. */
+/* Collapses and jams: contacts without end. With a remedy the run goes on at a bounded cost and
+ * says how often it acted; without, the engine notices, stops with a message, and the state stays
+ * valid. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,12 +25,13 @@ static enum em_status play(struct trial *t, double until, uint64_t most) {
 }
 
 /* Below ε = 7 − 4√3 three balls in line touch without end. Their speeds lose a factor each time, so
- * that after a few dozen contacts they are the same to the last bit: the cluster flies on as one. */
+ * that after a few dozen contacts they are the same to the last bit: the cluster flies on as one.
+ */
 static void three_in_line(void **state) {
   (void)state;
   static const char line[] =
-      "gravity=\"none\";chamber={shape=\"box\";size=[1.0,0.1,0.1];};contact={rule=\"smooth\";};"
-      TABLE "((0.4,0.05,0.05,1.0,0.0,0.0),(0.5,0.05,0.05,0.0,0.0,0.0),"
+      "gravity=\"none\";chamber={shape=\"box\";size=[1.0,0.1,0.1];};contact={rule=\"smooth\";}"
+      ";" TABLE "((0.4,0.05,0.05,1.0,0.0,0.0),(0.5,0.05,0.05,0.0,0.0,0.0),"
       "(0.62,0.05,0.05,-0.9,0.0,0.0));};";
   const double threshold = 7.0 - 4.0 * sqrt(3.0);
   uint64_t most = 0, few = UINT64_MAX;
@@ -107,8 +109,8 @@ static void heap(void **state) {
   }
   hard_row("heap that cools", "300 balls at constant ε 0.9 under gravity, three rules", 6,
            "collapse is noticed; with TC the run goes on at a bounded cost",
-           "%llu collisions per second of the heap, TC acted %llu times",
-           (unsigned long long)most, (unsigned long long)acted);
+           "%llu collisions per second of the heap, TC acted %llu times", (unsigned long long)most,
+           (unsigned long long)acted);
 }
 
 static void slow_mill(void **state) {
@@ -142,7 +144,8 @@ static void open_jam(struct trial *t, double gap, size_t balls, const char *rule
               "high=[0.03,0.02,0.03];};};",
               "chamber.length=%.17g rotor.blades.y=%.17g contact.rule=%s balls.count=%zu "
               "remedy.jam_after=%d seed=%llu",
-              0.1, gap + a, rule, balls, jam_after, (unsigned long long)(dice_bits(seed) >> 40) + 1);
+              0.1, gap + a, rule, balls, jam_after,
+              (unsigned long long)(dice_bits(seed) >> 40) + 1);
   trial_balls(t);
   trial_world(t);
 }
@@ -191,16 +194,15 @@ static void no_exit(void **state) {
     most = em_world_collisions(t.world) > most ? em_world_collisions(t.world) : most;
     trial_free(&t);
   }
-  hard_row("packed mill", "900…1100 balls in a drum that holds 1100: the blade has nowhere to go", 3,
-           "the jam is reported and the run stops, it never hangs", "at most %llu contacts",
+  hard_row("packed mill", "900…1100 balls in a drum that holds 1100: the blade has nowhere to go",
+           3, "the jam is reported and the run stops, it never hangs", "at most %llu contacts",
            (unsigned long long)most);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(three_in_line), cmocka_unit_test(bounce_to_rest),
-      cmocka_unit_test(heap),          cmocka_unit_test(slow_mill),
-      cmocka_unit_test(squeezed),      cmocka_unit_test(no_exit),
+      cmocka_unit_test(three_in_line), cmocka_unit_test(bounce_to_rest), cmocka_unit_test(heap),
+      cmocka_unit_test(slow_mill),     cmocka_unit_test(squeezed),       cmocka_unit_test(no_exit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,8 +12,8 @@
 #define BOX "gravity=\"none\";contact={rule=\"smooth\";normal=1.0;};"
 
 /* Runs an elastic scene; the relative error of its energy. */
-static double run(const char *scene, const char *overrides, uint64_t collisions,
-                  double smallest, double *time) {
+static double run(const char *scene, const char *overrides, uint64_t collisions, double smallest,
+                  double *time) {
   struct trial t;
   trial_open(&t, scene, "%s", overrides);
   const double energy = trial_energy(&t);
@@ -30,10 +30,9 @@ static double run(const char *scene, const char *overrides, uint64_t collisions,
 static void sizes(void **state) {
   (void)state;
   const uint64_t n = TRIES(60000, 5e6);
-  const double error = run(BOX
-                           "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
-                           "balls=({name=\"large\";count=4;diameter=0.02;},"
-                           "{name=\"small\";count=2000;diameter=0.0004;});",
+  const double error = run(BOX "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
+                               "balls=({name=\"large\";count=4;diameter=0.02;},"
+                               "{name=\"small\";count=2000;diameter=0.0004;});",
                            "", n, 0.0004, NULL);
   assert_true(error < 1e-12);
   hard_row("diameters 1:50", "4 large and 2000 small balls", (double)n,
@@ -43,15 +42,13 @@ static void sizes(void **state) {
 static void masses(void **state) {
   (void)state;
   const uint64_t n = TRIES(60000, 5e6);
-  const double error = run(BOX
-                           "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
-                           "balls=({name=\"heavy\";count=20;diameter=0.004;density=1e9;},"
-                           "{name=\"light\";count=500;diameter=0.004;density=1.0;});",
+  const double error = run(BOX "chamber={shape=\"box\";size=[0.06,0.06,0.06];};"
+                               "balls=({name=\"heavy\";count=20;diameter=0.004;density=1e9;},"
+                               "{name=\"light\";count=500;diameter=0.004;density=1.0;});",
                            "", n, 0.04, NULL);
   assert_true(error < 1e-12);
-  hard_row("masses 1:1e9", "20 heavy and 500 light balls, these at up to 3e4 the speed",
-           (double)n, "no overlap above 1e-11 d",
-           "energy %.1e", error);
+  hard_row("masses 1:1e9", "20 heavy and 500 light balls, these at up to 3e4 the speed", (double)n,
+           "no overlap above 1e-11 d", "energy %.1e", error);
 }
 
 static void few(void **state) {
@@ -67,7 +64,8 @@ static void few(void **state) {
   trial_valid(&t, 1e-12 * 0.005);
   const double books = fabs(trial_books(&t, energy));
   assert_true(books < 1e-12);
-  hard_row("no ball, one ball", "the mill for 10 s, with TC: a lone ball comes to glide along the drum", 2,
+  hard_row("no ball, one ball",
+           "the mill for 10 s, with TC: a lone ball comes to glide along the drum", 2,
            "runs; energy + lost − work", "%.1e", books);
   trial_free(&t);
 }
@@ -96,8 +94,9 @@ static void crystal(void **state) {
   double time;
   const double d = 0.005, cell = cbrt(4.0 * M_PI / 6.0 * d * d * d / 0.70);
   struct trial t;
-  trial_scene(&t, BOX "chamber={shape=\"box\";size=[0.1,0.1,0.1];periodic=true;};"
-                      "balls={count=1372;diameter=0.005;start=\"lattice\";};",
+  trial_scene(&t,
+              BOX "chamber={shape=\"box\";size=[0.1,0.1,0.1];periodic=true;};"
+                  "balls={count=1372;diameter=0.005;start=\"lattice\";};",
               "chamber.size=[%.17g,%.17g,%.17g]", 7.0 * cell, 7.0 * cell, 7.0 * cell);
   t.balls = em_start_new(1372);
   uint64_t seed = 9;
@@ -137,8 +136,8 @@ static void walls(void **state) {
   /* Each contact of a ball costs it at most a rounding of its energy. */
   assert_true(fmax(with, without) < 2.3e-16 * (double)n / 10.0);
   hard_row("walls", "10 balls in a drum, with and without gravity", (double)n,
-           "balls outside: 0; overlaps above 1e-12 d: 0",
-           "energy %.1e without, %.1e with gravity", without, with);
+           "balls outside: 0; overlaps above 1e-12 d: 0", "energy %.1e without, %.1e with gravity",
+           without, with);
 }
 
 /* Much simulated time: the error must not grow with absolute time. */
@@ -185,8 +184,8 @@ static void million(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(sizes),     cmocka_unit_test(masses),    cmocka_unit_test(few),
-      cmocka_unit_test(just_fits), cmocka_unit_test(crystal),   cmocka_unit_test(walls),
+      cmocka_unit_test(sizes),     cmocka_unit_test(masses),  cmocka_unit_test(few),
+      cmocka_unit_test(just_fits), cmocka_unit_test(crystal), cmocka_unit_test(walls),
       cmocka_unit_test(long_time),
 #ifdef LONG_FORM
       cmocka_unit_test(million),

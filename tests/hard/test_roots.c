@@ -1,5 +1,5 @@
-/* Hard first contacts of pairs and with the drum, against 60 digits: grazing, multiple roots, gravity
- * over many orders of magnitude and down to none. */
+/* Hard first contacts of pairs and with the drum, against 60 digits: grazing, multiple roots,
+ * gravity over many orders of magnitude and down to none. */
 int unit_main(void);
 #define main unit_main
 #include "unit/test_surface.c"
@@ -47,8 +47,8 @@ static void place_pairs(struct em_balls *b, double d) {
     const struct em_vec e = direction(), other = em_vec_cross(e, direction());
     const struct em_vec side = em_vec_scale(1.0 / em_vec_norm(other), other);
     const double impact = 1.0 + sign() * spread(1e-16, 1e-6);
-    const struct em_vec half = em_vec_axpy(em_vec_scale(-uniform(0.4, 1.2) * d, e),
-                                           0.5 * impact * d, side);
+    const struct em_vec half =
+        em_vec_axpy(em_vec_scale(-uniform(0.4, 1.2) * d, e), 0.5 * impact * d, side);
     b->position[2 * k] = em_vec_sub(middle, half);
     b->position[2 * k + 1] = em_vec_add(middle, half);
     const double speed = spread(0.1, 1.0);
@@ -75,7 +75,8 @@ static void grazing_in_world(void **state) {
                 round & 2 ? "false" : "true");
     trial_balls(&t);
     place_pairs(t.balls, d);
-    for (int k = 0; k < PAIRS; k++) time[k] = INFINITY;
+    for (int k = 0; k < PAIRS; k++)
+      time[k] = INFINITY;
     trial_world(&t);
     assert_int_equal(em_world_observe(t.world, &observer), EM_OK);
     trial_run(&t, 0.03);
@@ -175,8 +176,8 @@ static void weightless_limit(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(grazing_pairs), cmocka_unit_test(grazing_in_world),
-      cmocka_unit_test(touching_apex), cmocka_unit_test(many_orders),
+      cmocka_unit_test(grazing_pairs),    cmocka_unit_test(grazing_in_world),
+      cmocka_unit_test(touching_apex),    cmocka_unit_test(many_orders),
       cmocka_unit_test(weightless_limit),
   };
   reference_init(&ref);

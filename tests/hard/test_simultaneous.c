@@ -1,6 +1,6 @@
-/* Contacts at one and the same time: worked off by class, then by index, so that a run is a function of
- * its scene; what physics conserves is conserved, and where contacts do not depend on each other the
- * numbering of the balls does not matter. */
+/* Contacts at one and the same time: worked off by class, then by index, so that a run is a
+ * function of its scene; what physics conserves is conserved, and where contacts do not depend on
+ * each other the numbering of the balls does not matter. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,10 +13,9 @@
 
 #include "support/trial.h"
 
-static const char lab[] =
-    "gravity=\"none\";chamber={shape=\"box\";size=[1.28,1.28,1.28];};"
-    "contact={rule=\"smooth\";normal=1.0;};"
-    "balls={count=51;diameter=0.015625;start=\"lattice\";};";
+static const char lab[] = "gravity=\"none\";chamber={shape=\"box\";size=[1.28,1.28,1.28];};"
+                          "contact={rule=\"smooth\";normal=1.0;};"
+                          "balls={count=51;diameter=0.015625;start=\"lattice\";};";
 
 static void still(struct trial *t, size_t i, double x, double y, double z) {
   t->balls->position[i] = em_vec_make(x, y, z);
@@ -35,12 +34,14 @@ static void cradle(void **state) {
     size_t place[51];
     trial_scene(&t, lab, "%s", "");
     trial_balls(&t);
-    for (size_t i = 0; i < 51; i++) place[i] = i;
+    for (size_t i = 0; i < 51; i++)
+      place[i] = i;
     for (size_t i = 50; k > 0 && i > 0; i--) {
       const size_t j = dice_bits(&seed) % (i + 1), swap = place[i];
       place[i] = place[j], place[j] = swap;
     }
-    for (size_t i = 0; i < 51; i++) still(&t, place[i], 0.25 + d * (double)i, 0.5, 0.5);
+    for (size_t i = 0; i < 51; i++)
+      still(&t, place[i], 0.25 + d * (double)i, 0.5, 0.5);
     t.balls->position[place[0]].x -= 0.0625;
     t.balls->velocity[place[0]].x = 1.0;
     trial_world(&t);
@@ -60,8 +61,11 @@ static void cradle(void **state) {
 static void lattice(void **state) {
   (void)state;
   uint64_t first = 0;
-  static const char *const engines[] = {"", "engine.lists=tree", "engine.partition=cells",
-                                        "engine.partition=slices", "engine.simd=false",
+  static const char *const engines[] = {"",
+                                        "engine.lists=tree",
+                                        "engine.partition=cells",
+                                        "engine.partition=slices",
+                                        "engine.simd=false",
                                         "engine.lists=tree engine.partition=none"};
   double worst = 0.0;
   for (size_t k = 0; k < sizeof engines / sizeof *engines; k++) {
@@ -116,7 +120,8 @@ static void stars(void **state) {
       trial_run(&t, 0.3);
       struct em_vec sum = {0.0, 0.0, 0.0};
       trial_state(&t);
-      for (size_t i = 0; i < n; i++) sum = em_vec_add(sum, t.balls->velocity[i]);
+      for (size_t i = 0; i < n; i++)
+        sum = em_vec_add(sum, t.balls->velocity[i]);
       assert_true(em_world_collisions(t.world) >= n / 2);
       trial_valid(&t, 1e-12 * 0.015625);
       worst = fmax(worst, em_vec_norm(sum) / (double)n);
@@ -141,7 +146,8 @@ static void head_on(void **state) {
     trial_scene(&t, lab, "%s", "balls.count=3");
     trial_balls(&t);
     const size_t *place = orders[order];
-    for (size_t i = 0; i < 3; i++) still(&t, place[i], 0.25 + 0.0625 * (double)i, 0.5, 0.5);
+    for (size_t i = 0; i < 3; i++)
+      still(&t, place[i], 0.25 + 0.0625 * (double)i, 0.5, 0.5);
     t.balls->velocity[place[0]].x = 1.0;
     t.balls->velocity[place[2]].x = -1.0;
     trial_world(&t);

@@ -1,5 +1,5 @@
-/* Balls that touch at the start: gaps of nothing, of one rounding, of 1e-15…1e-9 m, at rest, approaching,
- * parting; walls just hit, corners, and blades with nothing to spare. */
+/* Balls that touch at the start: gaps of nothing, of one rounding, of 1e-15…1e-9 m, at rest,
+ * approaching, parting; walls just hit, corners, and blades with nothing to spare. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -11,9 +11,9 @@
 
 #include "support/trial.h"
 
-static const double gap[] = {0.0,   DBL_EPSILON / 2, DBL_EPSILON, -DBL_EPSILON / 2, -DBL_EPSILON,
-                             1e-15, -1e-15,          1e-13,       1e-12,            1e-11,
-                             1e-10, 1e-9};
+static const double gap[] = {0.0,          DBL_EPSILON / 2, DBL_EPSILON, -DBL_EPSILON / 2,
+                             -DBL_EPSILON, 1e-15,           -1e-15,      1e-13,
+                             1e-12,        1e-11,           1e-10,       1e-9};
 enum { GAPS = sizeof gap / sizeof *gap };
 
 static const char cage[] =
@@ -88,7 +88,8 @@ static void corners(void **state) {
            (double)tries, "never outside, finitely many contacts", "energy %.1e", worst);
 }
 
-/* A ball that touches the drum, with and without gravity, in all directions but exactly along it. */
+/* A ball that touches the drum, with and without gravity, in all directions but exactly along it.
+ */
 static void drum(void **state) {
   (void)state;
   uint64_t seed = 3, most = 0;
@@ -101,8 +102,7 @@ static void drum(void **state) {
                 "gravity=[0.0,0.0,-9.81];chamber={shape=\"drum\";diameter=0.14;length=0.1;};"
                 "contact={rule=\"smooth\";normal=1.0;};"
                 "balls={count=1;diameter=0.005;start=\"lattice\";};",
-                "engine.partition=none gravity=%s",
-                k % 2 ? "[0.0,0.0,-9.81]" : "[0.0,0.0,0.0]");
+                "engine.partition=none gravity=%s", k % 2 ? "[0.0,0.0,-9.81]" : "[0.0,0.0,0.0]");
     trial_balls(&t);
     const double phi = dice_in(&seed, 0.0, 2.0 * M_PI), at = rho - r - apart;
     const struct em_vec e = {cos(phi), 0.0, sin(phi)}, side = {-e.z, 0.0, e.x};
@@ -143,8 +143,7 @@ static void blade_and_wall(void **state) {
                 "rotor={rpm=0.0;radius=0.006;reach=0.058;blades=({y=0.011;angle_deg=90.0;});};"
                 "contact={rule=\"smooth\";normal=1.0;};"
                 "balls={count=1;diameter=0.005;start=\"lattice\";};",
-                "rotor.blades.y=%.17g rotor.rpm=%s", d + a + spare,
-                k & 1 ? "0" : "1e-3");
+                "rotor.blades.y=%.17g rotor.rpm=%s", d + a + spare, k & 1 ? "0" : "1e-3");
     trial_balls(&t);
     /* Between wall and blade, right under the bar's axis or a little off. */
     const double off = k % 3 ? 0.0 : dice_power(&seed, 1e-9, 1e-6);

@@ -18,8 +18,7 @@ static void test_spins(void **state) {
   trial_open(&rough, GAS, "%s", "contact.rule=rough");
   assert_null(smooth.world->spin);
   assert_non_null(rough.world->spin);
-  const double more =
-      em_world_bytes_per_ball(rough.world) - em_world_bytes_per_ball(smooth.world);
+  const double more = em_world_bytes_per_ball(rough.world) - em_world_bytes_per_ball(smooth.world);
   assert_true(more == sizeof(struct em_vec));
   trial_free(&smooth);
   trial_free(&rough);

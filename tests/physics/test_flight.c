@@ -173,9 +173,9 @@ static void test_angular_momentum(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_free_fall),          cmocka_unit_test(test_bouncing_ball),
-      cmocka_unit_test(test_energy_books),       cmocka_unit_test(test_turning_drum_books),
-      cmocka_unit_test(test_momentum),           cmocka_unit_test(test_angular_momentum),
+      cmocka_unit_test(test_free_fall),    cmocka_unit_test(test_bouncing_ball),
+      cmocka_unit_test(test_energy_books), cmocka_unit_test(test_turning_drum_books),
+      cmocka_unit_test(test_momentum),     cmocka_unit_test(test_angular_momentum),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

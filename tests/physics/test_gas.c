@@ -1,5 +1,5 @@
-/* The elastic gas: its energy, its laws of speed, and how often balls meet. Seeds are fixed; a p-value
- * below 1e-4 in any of the tests is a fault. */
+/* The elastic gas: its energy, its laws of speed, and how often balls meet. Seeds are fixed; a
+ * p-value below 1e-4 in any of the tests is a fault. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -64,7 +64,8 @@ static void impact(void *self, const struct em_contact *c) {
 
 static void obeys(const char *what, enum em_distribution law, double a, double *x, size_t n) {
   struct em_goodness g;
-  for (size_t i = 0; i < n; i++) x[i] = em_distribution_cdf(law, a, x[i]);
+  for (size_t i = 0; i < n; i++)
+    x[i] = em_distribution_cdf(law, a, x[i]);
   assert_int_equal(em_goodness_chi2_uniform(&g, x, n, 0, 1), EM_OK);
   print_message("# %s: chi2 %.1f of %.0f, p = %.3g\n", what, g.statistic, g.freedom, g.p);
   if (!(g.p > P)) fail_msg("%s does not obey its law: p = %g", what, g.p);
@@ -90,8 +91,9 @@ static void laws(const char *scene, const char *overrides) {
     trial_state(&t);
     for (size_t i = 0; i < n; i++) {
       speed[s * n + i] = em_vec_norm(t.balls->velocity[i]);
-      part[s * n + i] = s % 3 == 0 ? t.balls->velocity[i].x
-                        : s % 3 == 1 ? t.balls->velocity[i].y : t.balls->velocity[i].z;
+      part[s * n + i] = s % 3 == 0   ? t.balls->velocity[i].x
+                        : s % 3 == 1 ? t.balls->velocity[i].y
+                                     : t.balls->velocity[i].z;
       sigma2 += em_vec_norm2(t.balls->velocity[i]) / (3.0 * (double)(n * SAMPLES));
     }
   }
@@ -129,7 +131,8 @@ static void test_laws_drum_gravity(void **state) {
 /* --- how often balls meet --------------------------------------------------------------------- */
 
 /* Collisions per second of n balls at packing fraction φ: ½ n · 4 σ² (n/V) g(σ) √(π T/m), with the
- * contact value (1 − φ/2)/(1 − φ)³ of Carnahan and Starling; T of a box at rest: 2 E/(3 (n − 1)). */
+ * contact value (1 − φ/2)/(1 − φ)³ of Carnahan and Starling; T of a box at rest: 2 E/(3 (n − 1)).
+ */
 static void test_rate(void **state) {
   (void)state;
   static const double packing[] = {0.1, 0.3, 0.45};

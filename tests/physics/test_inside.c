@@ -18,7 +18,8 @@ static void watch(const char *scene, const char *overrides) {
   struct trial t;
   trial_open(&t, scene, "%s", overrides);
   double smallest = INFINITY;
-  for (size_t i = 0; i < t.balls->count; i++) smallest = fmin(smallest, t.balls->radius[i]);
+  for (size_t i = 0; i < t.balls->count; i++)
+    smallest = fmin(smallest, t.balls->radius[i]);
   const double tolerance = 1e-12 * 2.0 * smallest;
   uint64_t seed = 3;
   trial_valid(&t, tolerance);

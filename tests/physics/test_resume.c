@@ -58,7 +58,8 @@ static void compare(const char *scene, const char *overrides) {
   uint64_t seed = 7;
   stop[stops++] = 0.0;
   double at = 0.0;
-  while (stops < 6) stop[stops++] = at = dice_in(&seed, at, epoch);
+  while (stops < 6)
+    stop[stops++] = at = dice_in(&seed, at, epoch);
   stop[stops++] = nextafter(epoch, 0.0);
   stop[stops++] = epoch;
   stop[stops++] = nextafter(epoch, INFINITY);
@@ -114,7 +115,7 @@ static void test_boxes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mill),  cmocka_unit_test(test_structures),
+      cmocka_unit_test(test_mill),     cmocka_unit_test(test_structures),
       cmocka_unit_test(test_remedies), cmocka_unit_test(test_ramps),
       cmocka_unit_test(test_boxes),
   };

@@ -17,7 +17,8 @@ static double come_back(const char *scene, const char *overrides, double span, u
   const size_t n = t.balls->count;
   struct em_vec *from = calloc(n, sizeof *from);
   assert_non_null(from);
-  for (size_t i = 0; i < n; i++) from[i] = t.balls->position[i];
+  for (size_t i = 0; i < n; i++)
+    from[i] = t.balls->position[i];
   trial_run(&t, span);
   *count = em_world_collisions(t.world);
   trial_state(&t);
@@ -45,8 +46,7 @@ static void test_returns(void **state) {
       "balls.count=200 gravity=[2.0,-3.0,-9.81]"};
   for (size_t k = 0; k < sizeof overrides / sizeof *overrides; k++) {
     uint64_t count;
-    const double worst =
-        come_back("geometries/ideal-gas-gravity.cfg", overrides[k], 0.1, &count);
+    const double worst = come_back("geometries/ideal-gas-gravity.cfg", overrides[k], 0.1, &count);
     print_message("# %s: back after %llu collisions to %.2g m\n", overrides[k],
                   (unsigned long long)count, worst);
     assert_true(count > 200);

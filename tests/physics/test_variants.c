@@ -1,5 +1,5 @@
-/* Lists, partitions and vector code are choices of speed: each must give the same collisions, to the
- * last bit of every figure that an observer sees, and the same state at the end. */
+/* Lists, partitions and vector code are choices of speed: each must give the same collisions, to
+ * the last bit of every figure that an observer sees, and the same state at the end. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,14 +21,14 @@ struct variant {
   const char *lists, *partition, *simd;
 };
 static const struct variant variant[] = {
-    {"calendar", "neighbours", "true"},  {"calendar", "neighbours", "false"},
-    {"calendar", "cells", "true"},       {"calendar", "cells", "false"},
-    {"calendar", "slices", "true"},      {"calendar", "slices", "false"},
-    {"calendar", "none", "true"},        {"calendar", "none", "false"},
-    {"tree", "neighbours", "true"},      {"tree", "cells", "true"},
-    {"tree", "slices", "true"},          {"tree", "none", "true"},
-    {"tree", "neighbours", "false"},     {"tree", "cells", "false"},
-    {"tree", "slices", "false"},         {"tree", "none", "false"},
+    {"calendar", "neighbours", "true"}, {"calendar", "neighbours", "false"},
+    {"calendar", "cells", "true"},      {"calendar", "cells", "false"},
+    {"calendar", "slices", "true"},     {"calendar", "slices", "false"},
+    {"calendar", "none", "true"},       {"calendar", "none", "false"},
+    {"tree", "neighbours", "true"},     {"tree", "cells", "true"},
+    {"tree", "slices", "true"},         {"tree", "none", "true"},
+    {"tree", "neighbours", "false"},    {"tree", "cells", "false"},
+    {"tree", "slices", "false"},        {"tree", "none", "false"},
 };
 enum { VARIANTS = sizeof variant / sizeof *variant };
 
@@ -41,8 +41,8 @@ static struct outcome play(const char *scene, const char *overrides, const struc
                            uint64_t collisions) {
   struct trial t;
   struct trail trail;
-  trial_open(&t, scene, "%s engine.lists=%s engine.partition=%s engine.simd=%s", overrides, v->lists,
-             v->partition, v->simd);
+  trial_open(&t, scene, "%s engine.lists=%s engine.partition=%s engine.simd=%s", overrides,
+             v->lists, v->partition, v->simd);
   trail_watch(&trail, t.world);
   trial_collide(&t, collisions);
   trial_valid(&t, 1e-12 * t.balls->radius[0]);
@@ -52,8 +52,7 @@ static struct outcome play(const char *scene, const char *overrides, const struc
 }
 
 /* All variants whose bit is set in `which` against the first. */
-static void compare(const char *scene, const char *overrides, uint64_t collisions,
-                    unsigned which) {
+static void compare(const char *scene, const char *overrides, uint64_t collisions, unsigned which) {
   const struct outcome first = play(scene, overrides, &variant[0], collisions);
   assert_int_equal(first.count, collisions);
   for (unsigned k = 1; k < VARIANTS; k++) {
@@ -126,9 +125,9 @@ static void test_mixed_box(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mill),          cmocka_unit_test(test_reference_rule),
-      cmocka_unit_test(test_tips),          cmocka_unit_test(test_two_rotors),
-      cmocka_unit_test(test_drum_gas),      cmocka_unit_test(test_periodic),
+      cmocka_unit_test(test_mill),      cmocka_unit_test(test_reference_rule),
+      cmocka_unit_test(test_tips),      cmocka_unit_test(test_two_rotors),
+      cmocka_unit_test(test_drum_gas),  cmocka_unit_test(test_periodic),
       cmocka_unit_test(test_mixed_box),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,9 +2,9 @@
 #include "support/trial.h"
 
 #include <math.h>
+#include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,14 +31,14 @@ static void read_scene(struct trial *t, const char *scene, char *words) {
     must(em_scene_parse(&t->scene, scene, "trial", count, override, &t->err), &t->err);
 }
 
-#define READ(t, scene, format)                                                                     \
-  do {                                                                                             \
-    char words[TEXT];                                                                              \
-    va_list list;                                                                                  \
-    va_start(list, format);                                                                        \
-    vsnprintf(words, sizeof words, format, list);                                                  \
-    va_end(list);                                                                                  \
-    read_scene(t, scene, words);                                                                   \
+#define READ(t, scene, format)                    \
+  do {                                            \
+    char words[TEXT];                             \
+    va_list list;                                 \
+    va_start(list, format);                       \
+    vsnprintf(words, sizeof words, format, list); \
+    va_end(list);                                 \
+    read_scene(t, scene, words);                  \
   } while (0)
 
 void trial_scene(struct trial *t, const char *scene, const char *format, ...) {
@@ -92,7 +92,8 @@ double trial_energy(struct trial *t) {
 double trial_books(struct trial *t, double energy0) {
   const struct em_tally *tally = em_world_tally(t->world);
   double lost = 0.0, work = tally->drum_work;
-  for (int k = 0; k < EM_CLASS_COUNT; k++) lost += tally->lost[k];
+  for (int k = 0; k < EM_CLASS_COUNT; k++)
+    lost += tally->lost[k];
   for (size_t k = 0; k < em_world_blade_count(t->world); k++)
     work += em_world_blade_tally(t->world, k)->work;
   const double energy = trial_energy(t);
@@ -147,7 +148,8 @@ uint64_t trail_of_state(const struct em_world *world) {
   for (int k = 0; k < EM_CLASS_COUNT; k++) {
     h = mix(mix(h, &s->tally.collisions[k], 8), &s->tally.lost[k], 8);
     h = mix(h, &s->tally.collision_energy[k], 8);
-    for (int b = 0; b < EM_TALLY_BINS; b++) h = mix(h, &s->tally.vn[k][b], 8);
+    for (int b = 0; b < EM_TALLY_BINS; b++)
+      h = mix(h, &s->tally.vn[k][b], 8);
   }
   h = mix(mix(mix(h, &s->tally.tc, 8), &s->tally.elastic, 8), &s->tally.jam, 8);
   em_world_snapshot_free(s);

@@ -47,13 +47,13 @@ uint64_t trail_of_state(const struct em_world *world);
 
 /* Random numbers of the tests (splitmix64). */
 uint64_t dice_bits(uint64_t *seed);
-double dice(uint64_t *seed);                          /* [0, 1) */
+double dice(uint64_t *seed); /* [0, 1) */
 double dice_in(uint64_t *seed, double low, double high);
 double dice_power(uint64_t *seed, double low, double high); /* uniform in the logarithm */
 struct em_vec dice_direction(uint64_t *seed);
 
-/* How often a hard case is tried: few times, or, in the long form of a program (LONG_FORM), many times,
- * multiplied by the environment's EVENTMILL_TRIES. */
+/* How often a hard case is tried: few times, or, in the long form of a program (LONG_FORM), many
+ * times, multiplied by the environment's EVENTMILL_TRIES. */
 #ifdef LONG_FORM
 #define TRIES(few, many) hard_tries(many)
 #else

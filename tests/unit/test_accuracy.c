@@ -194,7 +194,7 @@ static void bar_gap(const struct bar *b, mpfr_t out, const mpfr_t t) {
   mpfr_abs(c[2], c[2], MPFR_RNDN);
   mpfr_mul(c[3], p[1], c[1], MPFR_RNDN);
   mpfr_mul(term, p[0], c[0], MPFR_RNDN);
-  mpfr_sub(c[3], c[3], term, MPFR_RNDN); /* z */
+  mpfr_sub(c[3], c[3], term, MPFR_RNDN);   /* z */
   mpfr_hypot(c[3], c[3], p[2], MPFR_RNDN); /* ρ */
   const bool round = b->blade.tip == EM_TIP_HEMISPHERE, endless = b->blade.tip == EM_TIP_NONE;
   mpfr_set_d(c[0], b->blade.reach, MPFR_RNDN);
@@ -344,11 +344,11 @@ static void solvers_agree(void **state) {
   for (int n = 0; n < 5000; n++) {
     const double phi = uniform(0.0, 2.0 * M_PI), r = rho * sqrt(drand48()) * 0.99;
     const struct em_vec p = {r * cos(phi), 0.0, r * sin(phi)}, v = in_box(3.0);
-    const double sure = em_surface_drum(p.x, p.z, v.x, v.z, 0.0, -9.81, rho, false,
-                                        EM_QUARTIC_SAFE, INFINITY);
+    const double sure =
+        em_surface_drum(p.x, p.z, v.x, v.z, 0.0, -9.81, rho, false, EM_QUARTIC_SAFE, INFINITY);
     for (int k = 0; k < EM_QUARTIC_COUNT; k++) {
-      const double t = em_surface_drum(p.x, p.z, v.x, v.z, 0.0, -9.81, rho, false,
-                                       (enum em_quartic)k, INFINITY);
+      const double t =
+          em_surface_drum(p.x, p.z, v.x, v.z, 0.0, -9.81, rho, false, (enum em_quartic)k, INFINITY);
       missed[k] += !(fabs(t - sure) <= 1e-6 * sure);
     }
   }
@@ -358,9 +358,12 @@ static void solvers_agree(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pairs),          cmocka_unit_test(planes),
-      cmocka_unit_test(drums),          cmocka_unit_test(blades),
-      cmocka_unit_test(tolerance_holds), cmocka_unit_test(solvers_agree),
+      cmocka_unit_test(pairs),
+      cmocka_unit_test(planes),
+      cmocka_unit_test(drums),
+      cmocka_unit_test(blades),
+      cmocka_unit_test(tolerance_holds),
+      cmocka_unit_test(solvers_agree),
       cmocka_unit_test(levels_set_what_the_scene_does_not),
   };
   srand48(7);

@@ -84,7 +84,8 @@ static void check_first(const struct em_queue_kind *kind, struct em_queue *queue
   if (ball == EM_QUEUE_NOBODY) return;
   assert_true(t == time[ball]);
   uint32_t equal = 0;
-  for (uint32_t k = 0; k < count; k++) equal += time[k] == t;
+  for (uint32_t k = 0; k < count; k++)
+    equal += time[k] == t;
   assert_int_equal(alone, equal == 1);
 }
 
