@@ -75,6 +75,7 @@ SHARED := $(B)/libeventmill.so
 TEST_SRC    := $(sort $(wildcard tests/*/test_*.c))
 TEST_SH     := $(sort $(wildcard tests/*/test_*.sh))
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c))
+BENCH_SH    := $(sort $(wildcard tests/bench/bench_*.sh))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
 FUZZ_SRC    := $(sort $(wildcard tests/fuzz/fuzz_*.c))
 TEST_BIN    := $(TEST_SRC:%.c=$(B)/%)
@@ -90,7 +91,7 @@ TEST_LIBS   := -lcmocka -lmpfr -lgmp \
 all: packages $(STATIC) $(SHARED) $(PROGRAMS)
 
 help:
-	@echo 'all demo check check-long hard bench fuzz install uninstall clean lint format info'
+	@echo 'all demo check check-long hard bench accuracy fuzz install uninstall clean lint format info'
 	@echo 'SAN=1 DEBUG=1 V=1 CC=clang BUILD=dir PREFIX=dir DESTDIR=dir'
 	@echo 'make check T=unit/test_error runs the tests whose path contains T'
 
@@ -181,8 +182,12 @@ check: setup
 check-long: setup
 	@$(submake) run-tests LONG=1
 
+# The long form of the hard cases, and their table (docs/stability.md).
 hard: setup
-	@$(submake) run-tests LONG=1 T=tests/hard/
+	@$(submake) run-tests LONG=1 T=tests/hard/test_long_; status=$$?; \
+	  echo '| case | what is hard | tries | checked | worst error |'; \
+	  echo '| --- | --- | --- | --- | --- |'; \
+	  grep -h '^| ' $(B)/logs/hard-test_long_*.log; exit $$status
 
 .PHONY: run-tests
 run-tests: all $(call picked,$(TEST_BIN)) $(call chosen,$(REPLAY_BIN))
@@ -192,7 +197,12 @@ run-tests: all $(call picked,$(TEST_BIN)) $(call chosen,$(REPLAY_BIN))
 build-tests: all $(TEST_BIN) $(REPLAY_BIN) $(BENCH_BIN)
 
 bench: all $(call chosen,$(BENCH_BIN))
-	@for b in $(call chosen,$(BENCH_BIN)); do echo "== $$b"; BUILD=$(B) $$b || exit 1; done
+	@for b in $(call chosen,$(BENCH_BIN) $(BENCH_SH)); do echo "== $$b"; BUILD=$(B) $$b || exit 1; done
+
+# What accuracy and effects cost on this machine: tables and pictures in $(B)/accuracy.
+.PHONY: accuracy
+accuracy: all
+	@BUILD=$(B) scripts/accuracy
 
 # Fuzzing for FUZZ_TIME seconds per target, from the stored corpus.
 FUZZ_TIME ?= 60
