@@ -44,7 +44,8 @@ struct em_queue {
 /* ---- the heap ---- */
 
 static bool is_before(const struct em_queue *q, uint32_t a, uint32_t b) {
-  return q->time[a] < q->time[b] || (q->time[a] == q->time[b] && a < b);
+  const double time = q->time[a], other = q->time[b];
+  return time < other || (time == other && a < b);
 }
 
 static void put(struct em_queue *q, uint32_t place, uint32_t ball) {

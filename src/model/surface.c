@@ -215,7 +215,8 @@ static double first_of(const double *q, int degree, const double *root, int coun
 static double ferrari(const double *q, int degree, double guess) {
   double root[4];
   bool small;
-  return first_of(q, degree, root, closed_form(q, degree, guess, root, &small));
+  const int count = closed_form(q, degree, guess, root, &small);
+  return first_of(q, degree, root, count);
 }
 
 /* The eigenvalues of the companion matrix, which has its place on the stack. Those that are real up

@@ -36,8 +36,9 @@ struct em_goodness em_goodness_chi2(const double *observed, const double *expect
 enum em_status em_goodness_chi2_uniform(struct em_goodness *out, const double *u, size_t n,
                                         size_t bins, int constraints) {
   if (bins == 0) bins = (size_t)fmax(2.0, 2.0 * pow((double)n, 0.4));
-  double *count = calloc(2 * bins, sizeof *count), *expected = count + bins;
+  double *count = calloc(2 * bins, sizeof *count);
   if (!count) return EM_MEMORY;
+  double *expected = count + bins;
   for (size_t k = 0; k < bins; k++)
     expected[k] = (double)n / (double)bins;
   for (size_t i = 0; i < n; i++) {

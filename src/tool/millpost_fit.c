@@ -208,12 +208,13 @@ static enum em_status draw(const struct pairs *pairs, const struct result *resul
   for (int k = 0; k < EM_LAW_COUNT && result[k].good; k++) {
     for (int i = 0; i < POINTS; i++)
       y[k][i] = value(x[i], result[k].fit.p, &result[k].law);
-    series[count++] = (struct em_plot_series){.name = em_contact_law_name(result[k].law),
-                                              .style = k == 0 ? EM_PLOT_LINE : EM_PLOT_DASHED,
-                                              .count = POINTS,
-                                              .x = x,
-                                              .y = y[k],
-                                              .colour = k + 2};
+    series[count] = (struct em_plot_series){.name = em_contact_law_name(result[k].law),
+                                            .style = k == 0 ? EM_PLOT_LINE : EM_PLOT_DASHED,
+                                            .count = POINTS,
+                                            .x = x,
+                                            .y = y[k],
+                                            .colour = k + 2};
+    count++;
   }
   char subtitle[160];
   snprintf(subtitle, sizeof subtitle, "%zu pairs; best by Akaike's criterion: %s, σ = %.3g",
