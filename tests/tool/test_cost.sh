@@ -1,0 +1,100 @@
+#!/bin/bash
+# mill cost and mill run --until-precision as a user runs them.
+# shellcheck disable=SC2016,SC2317
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+case ${BUILD:-build} in /*) mill=$BUILD/mill ;; *) mill=$PWD/${BUILD:-build}/mill ;; esac
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+number=0 failed=0
+
+report() { # verdict text
+  number=$((number + 1))
+  echo "$1 $number - $2"
+  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
+}
+
+# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
+expect() {
+  local code=$1 pattern=$2 text=$3 status verdict=ok
+  shift 3
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
+  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
+  report "$verdict" "$text"
+}
+
+check() { # TEXT COMMAND...
+  local text=$1
+  shift
+  if "$@" >>"$work/err" 2>&1; then report ok "$text"; else report "not ok" "$text"; fi
+}
+
+# cell ROW COLUMN: of the CSV's table of accuracy.
+cell() {
+  awk -F, -v row="$1" -v column="$2" '
+    $1 ~ /variant/ && !at { for (k = 1; k <= NF; k++) if ($k == column || index($k, column " [") == 1) at = k; next }
+    at && $1 == row { gsub(/"/, ""); print $at; exit }' "$work/cost.csv"
+}
+
+gas=geometries/ideal-gas.cfg mill_scene=geometries/simoloyer-2l.cfg
+
+# ---------------------------------------------------------------- usage
+expect 0 "" "help" "$mill" cost --help
+expect 2 "no scene given" "no scene" "$mill" cost
+expect 2 "unknown option" "unknown option" "$mill" cost "$gas" --fast
+expect 2 "expected 1 to 64" "rounds out of range" "$mill" cost "$gas" --rounds 0
+expect 2 "expected KEY=VALUE" "two scenes" "$mill" cost "$gas" "$gas"
+expect 2 "engine.quartic" "unknown solver" "$mill" check "$gas" engine.quartic=cardano
+expect 2 "at least 3" "two facets" "$mill" check "$gas" chamber.facets=2
+expect 2 "neither turns" "facets that turn" "$mill" check "$gas" chamber.facets=32 chamber.rpm=10
+
+# ---------------------------------------------------------------- tables
+expect 0 "" "a mill with few balls" "$mill" cost "$mill_scene" balls.count=250 --steady 0.02 \
+  --time 0.02 --rounds 2 --flights 4000 --csv "$work/cost.csv" -o "$work/cost" -q
+for table in "accuracy against time" "effects against time" "recording against time" \
+  "statistics against time" "one per cent takes"; do
+  check "table: $table" grep -q "$table" "$work/out"
+done
+for picture in accuracy effects statistics; do
+  check "picture: $picture" test -s "$work/cost-$picture.png"
+done
+above() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a + 0 > b + 0) }'; }
+equal() { [ "$1" = "$2" ]; }
+check "standard misses nothing" equal "$(cell 'level standard' missed)" 0
+check "standard invents nothing" equal "$(cell 'level standard' invented)" 0
+check "reference has no error" equal "$(cell 'level reference' error_most)" 0
+check "the reference's search misses contacts with the ends of blades" \
+  above "$(cell 'blade: steps of 0.1 d' missed)" 0
+check "a coarse tolerance shows in the contact times" \
+  above "$(cell 'tolerance 1e-3 d' error_rms)" "$(cell 'level standard' error_rms)"
+check "Ferrari's form loses digits" \
+  above "$(cell 'quartic: Ferrari' error_rms)" 0
+"$mill" cost "$gas" balls.count=200 --steady 0.01 --time 0.01 --rounds 2 --flights 1000 --json -q \
+  >"$work/json" 2>"$work/err"
+check "JSON" python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); d["accuracy"][0]["time"]' \
+  "$work/json"
+
+# ---------------------------------------------------------------- until precision
+small=("$gas" balls.count=300 record.collisions=false duration=20 -o none -q)
+expect 0 "precision reached" "stops when it is reached" \
+  "$mill" run "${small[@]}" --until-precision 'rate(vn>1)=5%,median(vn)=0.05'
+check "long before the duration is over" \
+  awk '/reached at/ { exit !($4 < 20) }' "$work/err"
+expect 0 "precision not reached by 1 s" "the duration is the upper bound" \
+  "$mill" run "${small[@]}" duration=1 --until-precision 'rate(vn>1)=0.01%'
+expect 2 "expected median(speed)" "unknown figure" "$mill" run "${small[@]}" --until-precision 'mean=1%'
+expect 2 "precision such as" "no precision" "$mill" run "${small[@]}" --until-precision 'power=-1'
+"$mill" run "${small[@]}" --until-precision 'rate(vn>1)=5%' -o "$work/a.h5" >/dev/null 2>&1
+expect 0 "precision reached" "a run goes on to a better precision" \
+  "$mill" run "${small[@]}" --until-precision 'rate(vn>1)=3%' -o "$work/a.h5" --resume
+
+# ---------------------------------------------------------------- absent effects
+check "bytes of events" grep -q "of these bytes" <("$mill" check "$gas")
+spinless=$("$mill" check "$gas" | sed -n 's/^# balls: .*, \([0-9]*\) bytes each.*/\1/p')
+spinning=$("$mill" check "$gas" contact.rule=rough | sed -n 's/^# balls: .*, \([0-9]*\) bytes each.*/\1/p')
+check "spin has its bytes only where it is called for" equal "$((spinning - spinless))" 24
+
+echo "1..$number"
+exit $failed
