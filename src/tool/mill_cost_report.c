@@ -186,20 +186,36 @@ static enum em_status draw(const struct em_cost *cost, struct em_plot *plot, con
   return em_plot_draw(plot, path, err);
 }
 
+/* Variants whose names begin with the same word are a family: one colour. */
+static bool is_family(const char *a, const char *b) {
+  const size_t n = strcspn(a, " ");
+  return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
+}
+
 /* A point per variant; errors of 0 lie at the lower edge. */
 static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
                                     struct em_error *err) {
   struct em_plot_series series[EM_COST_VARIANTS];
   double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
-  size_t n = 0;
+  char names[EM_COST_VARIANTS][16];
+  const char *before = "";
+  size_t n = 0, families = 0;
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
     if (r->variant.group != EM_COST_ACCURACY || r->failed || !r->flights.contacts) continue;
     if (!isfinite(r->flights.rms)) continue;
     x[n] = r->time;
     y[n] = fmax(r->flights.rms, 1e-22);
-    series[n] = (struct em_plot_series){
-        .name = r->variant.name, .style = EM_PLOT_POINTS, .count = 1, .x = &x[n], .y = &y[n]};
+    if (!is_family(before, r->variant.name)) {
+      const char *name = r->variant.name;
+      snprintf(names[families], sizeof names[0], "%.*s", (int)strcspn(name, " :"), name);
+      if (strcmp(names[families], "no") == 0) snprintf(names[families], sizeof names[0], "shortcut");
+      series[families] = (struct em_plot_series){
+          .name = names[families], .style = EM_PLOT_POINTS, .x = &x[n], .y = &y[n]};
+      families++;
+      before = name;
+    }
+    series[families - 1].count++;
     n++;
   }
   if (n == 0) return EM_OK;
@@ -208,29 +224,37 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
                          .y_label = "error of contact times, rms  [s]",
                          .log_x = true,
                          .log_y = true,
-                         .series_count = n,
-                         .series = series,
-                         .height = 900};
+                         .series_count = families,
+                         .series = series};
   return draw(cost, &plot, prefix, "accuracy", err);
 }
 
+/* Bars with numbers, whose names stand in the legend. */
 static enum em_status draw_effects(const struct em_cost *cost, const char *prefix,
                                    struct em_error *err) {
+  struct em_plot_series series[EM_COST_VARIANTS];
   double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
-  const char *names[EM_COST_VARIANTS];
+  char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
+  const char *names[EM_COST_VARIANTS + 8];
   size_t n = 0;
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
     if (r->variant.group == EM_COST_ACCURACY || r->failed) continue;
     x[n] = (double)n;
     y[n] = 100.0 * (r->time - 1.0);
-    names[n++] = r->variant.name;
+    snprintf(number[n], sizeof number[n], "%zu", n + 1);
+    snprintf(label[n], sizeof label[n], "%zu  %s", n + 1, r->variant.name);
+    series[n] = (struct em_plot_series){
+        .name = label[n], .style = EM_PLOT_BARS, .count = 1, .x = &x[n], .y = &y[n]};
+    names[n] = number[n];
+    n++;
   }
-  const struct em_plot_series series = {.style = EM_PLOT_BARS, .count = n, .x = x, .y = y};
   struct em_plot plot = {.title = "Effects against time",
                          .y_label = "computing time against the scene as it is  [%]",
-                         .series_count = 1,
-                         .series = &series,
+                         .x_high = 1.6 * (double)n,
+                         .x_low = -0.7,
+                         .series_count = n,
+                         .series = series,
                          .category = names,
                          .category_count = n,
                          .width = 1400};
