@@ -24,6 +24,7 @@ static const struct command commands[] = {
     {"scale", "which speed gives the same impacts", em_millpost_scale},
     {"table", "key figures of all runs of a sweep", em_millpost_table},
     {"fit", "laws of restitution fitted to measured pairs", em_millpost_fit},
+    {"track", "restitution from films of a ball that hits a plate", em_millpost_track},
     {"frame", "a picture of one moment", em_millpost_frame},
     {"film", "a film", em_millpost_film},
     {"view", "a page that plays a run in a browser", em_millpost_view},

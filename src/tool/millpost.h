@@ -28,6 +28,7 @@ int em_millpost_compare(int argc, char **argv);
 int em_millpost_scale(int argc, char **argv);
 int em_millpost_table(int argc, char **argv);
 int em_millpost_fit(int argc, char **argv);
+int em_millpost_track(int argc, char **argv);
 int em_millpost_frame(int argc, char **argv);
 int em_millpost_film(int argc, char **argv);
 int em_millpost_view(int argc, char **argv);

@@ -1,0 +1,192 @@
+/* Reads frames, finds the picture without the ball, and what differs from it. */
+#include "draw/track_image.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <png.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MEDIAN_OF = 101, LARGEST_SIDE = 16384 };
+
+/* ---------------------------------------------------------------- files */
+
+static int is_picture(const struct dirent *entry) {
+  const size_t length = strlen(entry->d_name);
+  return length > 4 && strcasecmp(entry->d_name + length - 4, ".png") == 0;
+}
+
+static enum em_status open_png(png_image *image, const char *path, struct em_error *err) {
+  memset(image, 0, sizeof *image);
+  image->version = PNG_IMAGE_VERSION;
+  if (!png_image_begin_read_from_file(image, path))
+    return em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", image->message);
+  image->format = PNG_FORMAT_GRAY;
+  return EM_OK;
+}
+
+/* frame-2 comes before frame-10. */
+static enum em_status list_names(struct em_film_strip *strip, const char *folder,
+                                 struct em_error *err) {
+  struct dirent **entry;
+  const int count = scandir(folder, &entry, is_picture, versionsort);
+  if (count < 0)
+    return em_error_set(err, EM_FILE, folder, 0, "cannot be read: %s", strerror(errno));
+  bool good = (strip->path = calloc((size_t)count + 1, sizeof *strip->path)) != NULL;
+  for (int k = 0; k < count; k++) {
+    const size_t size = strlen(folder) + strlen(entry[k]->d_name) + 2;
+    char *path = good ? malloc(size) : NULL;
+    good = path != NULL;
+    if (good) {
+      snprintf(path, size, "%s/%s", folder, entry[k]->d_name);
+      strip->path[strip->count++] = path;
+    }
+    free(entry[k]);
+  }
+  free(entry);
+  return good ? EM_OK : em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a list of frames");
+}
+
+enum em_status em_track_image_list(struct em_film_strip *strip, const char *folder,
+                                   struct em_error *err) {
+  memset(strip, 0, sizeof *strip);
+  enum em_status status = list_names(strip, folder, err);
+  if (status == EM_OK && strip->count < 7)
+    status = em_error_set(
+        err, EM_INPUT, folder, 0,
+        "%zu PNG frames: at least 7 are needed, three before and after the impact", strip->count);
+  if (status != EM_OK) return status;
+  png_image image;
+  status = open_png(&image, strip->path[0], err);
+  if (status != EM_OK) return status;
+  strip->width = (int)image.width;
+  strip->height = (int)image.height;
+  png_image_free(&image);
+  if (strip->width >= 8 && strip->height >= 8 && strip->width <= LARGEST_SIDE &&
+      strip->height <= LARGEST_SIDE)
+    return EM_OK;
+  return em_error_set(err, EM_INPUT, strip->path[0], 0, "%d x %d pixels: 8 to %d are possible",
+                      strip->width, strip->height, LARGEST_SIDE);
+}
+
+void em_track_image_clear(struct em_film_strip *strip) {
+  for (size_t k = 0; k < strip->count; k++)
+    free(strip->path[k]);
+  free(strip->path);
+  memset(strip, 0, sizeof *strip);
+}
+
+enum em_status em_track_image_read(const struct em_film_strip *strip, size_t k, uint8_t *grey,
+                                   struct em_error *err) {
+  const png_color black = {0, 0, 0};
+  png_image image;
+  const enum em_status status = open_png(&image, strip->path[k], err);
+  if (status != EM_OK) return status;
+  if ((int)image.width != strip->width || (int)image.height != strip->height) {
+    const int w = (int)image.width, h = (int)image.height;
+    png_image_free(&image);
+    return em_error_set(err, EM_INPUT, strip->path[k], 0,
+                        "%d x %d pixels, the first frame has %d x %d", w, h, strip->width,
+                        strip->height);
+  }
+  if (png_image_finish_read(&image, &black, grey, strip->width, NULL)) return EM_OK;
+  const enum em_status failed =
+      em_error_set(err, EM_FILE, strip->path[k], 0, "cannot be read: %s", image.message);
+  png_image_free(&image);
+  return failed;
+}
+
+/* ---------------------------------------------------------------- ground */
+
+static uint8_t median_of(const uint8_t *stack, size_t pixels, size_t pixel, size_t count) {
+  unsigned histogram[256] = {0};
+  for (size_t k = 0; k < count; k++)
+    histogram[stack[k * pixels + pixel]]++;
+  unsigned level = 0;
+  for (size_t sum = histogram[0]; 2 * sum < count; sum += histogram[level])
+    level++;
+  return (uint8_t)level;
+}
+
+enum em_status em_track_image_ground(const struct em_film_strip *strip, uint8_t *ground,
+                                     struct em_error *err) {
+  const size_t pixels = (size_t)strip->width * (size_t)strip->height;
+  const size_t count = strip->count < MEDIAN_OF ? strip->count : MEDIAN_OF;
+  uint8_t *stack = malloc(count * pixels);
+  if (stack == NULL)
+    return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %zu frames", count);
+  enum em_status status = EM_OK;
+  for (size_t k = 0; k < count && status == EM_OK; k++)
+    status = em_track_image_read(strip, k * strip->count / count, stack + k * pixels, err);
+  for (size_t p = 0; p < pixels && status == EM_OK; p++)
+    ground[p] = median_of(stack, pixels, p, count);
+  free(stack);
+  return status;
+}
+
+/* ---------------------------------------------------------------- contrast */
+
+/* Grey values of 0 carry no light that could be compared. */
+static double light(uint8_t grey) {
+  return grey > 0 ? grey : 1.0;
+}
+
+/* The median of frame/ground, by a histogram of ratios from 0 to 4. */
+static double gain_of(const uint8_t *grey, const uint8_t *ground, size_t pixels) {
+  enum { BINS = 4000 };
+  unsigned histogram[BINS + 1] = {0};
+  for (size_t p = 0; p < pixels; p++) {
+    const double ratio = light(grey[p]) / light(ground[p]);
+    histogram[ratio < 4.0 ? (int)(ratio * (BINS / 4.0)) : BINS]++;
+  }
+  size_t sum = histogram[0];
+  int bin = 0;
+  while (2 * sum < pixels)
+    sum += histogram[++bin];
+  return (bin + 0.5) * (4.0 / BINS);
+}
+
+static int clamped(int k, int size) {
+  return k < 0 ? 0 : k >= size ? size - 1 : k;
+}
+
+/* Along rows (step 1) or columns. */
+static void blur(const float *in, float *out, int width, int height, double sigma, bool down) {
+  enum { MOST = 32 };
+  float weight[MOST + 1], sum = 0.0F;
+  const int reach = (int)fmin(ceil(3.0 * sigma), MOST);
+  for (int k = 0; k <= reach; k++) {
+    weight[k] = (float)exp(-0.5 * k * k / (sigma * sigma));
+    sum += k ? 2.0F * weight[k] : weight[k];
+  }
+  for (int y = 0; y < height; y++)
+    for (int x = 0; x < width; x++) {
+      float value = 0.0F;
+      for (int k = -reach; k <= reach; k++) {
+        const int u = down ? x : clamped(x + k, width), v = down ? clamped(y + k, height) : y;
+        value += weight[k < 0 ? -k : k] * in[(size_t)v * (size_t)width + (size_t)u];
+      }
+      out[(size_t)y * (size_t)width + (size_t)x] = value / sum;
+    }
+}
+
+void em_track_image_contrast(const uint8_t *grey, const uint8_t *ground, int width, int height,
+                             double smoothing, float *out, float *work) {
+  const size_t pixels = (size_t)width * (size_t)height;
+  const double gain = gain_of(grey, ground, pixels);
+  float dark = 0.0F, bright = 0.0F;
+  for (size_t p = 0; p < pixels; p++)
+    out[p] = (float)(1.0 - light(grey[p]) / fmax(gain * light(ground[p]), 8.0));
+  blur(out, work, width, height, smoothing, false);
+  blur(work, out, width, height, smoothing, true);
+  for (size_t p = 0; p < pixels; p++) {
+    dark = fmaxf(dark, out[p]);
+    bright = fmaxf(bright, -out[p]);
+  }
+  for (size_t p = 0; p < pixels && bright > dark; p++)
+    out[p] = -out[p];
+}
