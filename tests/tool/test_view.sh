@@ -1,0 +1,101 @@
+#!/bin/bash
+# millpost view and track as a user runs them; the page is opened in headless Chromium where there is
+# one (scripts/setup browser).
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+case ${BUILD:-build} in /*) bin=$BUILD ;; *) bin=$PWD/${BUILD:-build} ;; esac
+post=$bin/millpost
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+number=0 failed=0
+
+report() { # verdict text
+  number=$((number + 1))
+  echo "$1 $number - $2"
+  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
+}
+
+# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
+expect() {
+  local code=$1 pattern=$2 text=$3 status verdict=ok
+  shift 3
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
+  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
+  report "$verdict" "$text"
+}
+
+# is TEXT WANT GOT
+is() {
+  echo "$3, expected $2" >"$work/err"
+  if [ "$2" = "$3" ]; then report ok "$1"; else report "not ok" "$1"; fi
+}
+
+run=$work/run.h5 still=$work/still.h5 page=$work/run.html
+small=(geometries/simoloyer-2l.cfg duration=0.05 balls.count=800 --quiet)
+"$bin/mill" run "${small[@]}" record.frames=200 record.collisions=true -o "$run" >"$work/out" || exit 2
+"$bin/mill" run "${small[@]}" record.frames=0 -o "$still" >"$work/out" || exit 2
+
+# ---------------------------------------------------------------- view: the command line
+expect 0 "" "view --help" "$post" view --help
+expect 2 "expected RUN" "view without a run" "$post" view
+expect 2 "unknown option '--fly'" "view --fly" "$post" view "$run" --fly
+expect 2 "is not a number" "view --from" "$post" view "$run" --from soon
+expect 2 "is not above 0" "view --step" "$post" view "$run" --step 0
+expect 2 "no frames" "view of a run without frames" "$post" view "$still" -o "$page"
+expect 2 "nothing to show" "view of no time" "$post" view "$run" --from 3 -o "$page"
+expect 1 "" "view of a foreign file" "$post" view README.md
+expect 1 "cannot be written" "view into nowhere" "$post" view "$run" -o /nowhere/x.html
+is "and nothing is left" 1 "$([ -e "$page" ]; echo $?)"
+expect 0 "51 frames of 800 balls" "a page" "$post" view "$run" -o "$page"
+is "without any address" 0 "$(grep -c 'https\?://' "$page")"
+expect 0 "of 51 frames are kept" "a page of limited size" \
+  "$post" view "$run" --max-size 0.2 -o "$work/thin.html"
+is "is small" 1 $(($(stat -c %s "$work/thin.html") < 300000))
+expect 0 "frames of 100 balls" "a page of few balls" \
+  "$post" view "$run" --max-balls 100 --from 0.01 --to 0.02 --step 0.002 -o "$work/few.html"
+
+# ---------------------------------------------------------------- view: in a browser
+if command -v chromium >"$work/out" && command -v chromedriver >"$work/out"; then
+  /usr/bin/python3 tests/tool/view.py "$page" "$work/page.png" >"$work/err" 2>&1
+  status=$?
+  sed 's/^/# /' "$work/err"
+  is "the page in Chromium" 0 $status
+  is "and a picture of it" 1 $(($(stat -c %s "$work/page.png") > 50000))
+  [ -z "${KEEP:-}" ] || cp "$work/page.png" "$KEEP"
+else
+  number=$((number + 1))
+  echo "ok $number - the page in Chromium # SKIP no chromium and chromedriver: scripts/setup browser"
+fi
+
+# ---------------------------------------------------------------- track
+# A film of a disc, drawn by ffmpeg, that comes at 15 m/s and leaves at 60 % of it.
+film=$work/film
+mkdir "$film" "$work/empty"
+x='if(lt(N,20),40+9*N,220-5.4*(N-20))'
+ffmpeg -v error -f lavfi -i "color=gray:s=260x80:r=25,format=gray,geq=lum='if(lt(hypot(X-($x),Y-40),18),60,170)'" \
+  -frames:v 40 "$film/%d.png" || exit 2
+expect 0 "" "track --help" "$post" track --help
+expect 2 "expected FOLDER" "track without a folder" "$post" track --fps 5
+expect 2 "expected --fps" "track without a rate" "$post" track "$film"
+expect 2 "expected --diameter" "track without a scale" "$post" track "$film" --fps 5000
+expect 2 "unknown side" "track --plate" "$post" track "$film" --plate middle
+expect 2 "at least 7" "track of nothing" "$post" track "$work/empty" --fps 5000 --diameter 0.005
+expect 1 "cannot be read" "track of no folder" "$post" track "$work/no" --fps 5000 --diameter 0.005
+expect 2 "towards the plate" "track to the wrong side" \
+  "$post" track "$film" --fps 5000 --diameter 0.005 --plate left
+expect 0 "" "track" "$post" track "$film" --fps 5000 --scale 0.0003333333 --json -o "$work/pairs.txt"
+is "measures speed and restitution" "yes" "$(/usr/bin/python3 - "$work/out" <<'PY'
+import json, sys
+shot = json.load(open(sys.argv[1]))["shots"][0]
+good = abs(shot["speed"] / 15 - 1) < 0.005 and abs(shot["restitution"] / 0.6 - 1) < 0.01
+print("yes" if good and shot["plate"] == "right" else shot)
+PY
+)"
+is "a pair for fit" 1 "$(grep -c '^1[45][.][0-9]* 0[.][56][0-9]* ' "$work/pairs.txt")"
+for _ in 1 2 3 4 5 6 7; do grep -v '^# speed' "$work/pairs.txt"; done >"$work/many.txt"
+expect 0 "" "that fit reads" "$post" fit <(cat "$work/many.txt" "$work/many.txt")
+
+echo "1..$number"
+exit $failed
