@@ -1,6 +1,6 @@
 // The player: time, choice of balls, trails, and what people do with mouse, fingers and keys.
 const RATES = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
-const TRAIL = {most: 20, beads: 160, colours: [[217, 95, 14], [184, 50, 112], [31, 95, 168],
+const TRAIL = {most: 20, beads: 320, colours: [[217, 95, 14], [184, 50, 112], [31, 95, 168],
                                               [27, 138, 90], [106, 76, 165], [140, 109, 31]]};
 const $ = id => document.getElementById(id);
 
