@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { PAGE_BITS = 12, COPY_ROOM = 1 << 20 };
@@ -276,12 +277,22 @@ static enum em_status check_target(const struct em_twin *twin, struct em_error *
   return EM_OK;
 }
 
+/* A process that was killed a moment ago may still hold its lock while the disk is busy. */
+static bool lock_soon(int fd) {
+  const struct timespec pause = {.tv_nsec = 50000000};
+  for (int tries = 0; tries < 60; tries++) {
+    if (lock(fd)) return true;
+    (void)nanosleep(&pause, NULL);
+  }
+  return false;
+}
+
 static enum em_status open_hidden(struct em_twin *twin, struct em_error *err) {
   enum em_status status = check_target(twin, err);
   if (status) return status;
   twin->fd = open(twin->next, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (twin->fd < 0) return cannot(twin, errno, err);
-  if (!lock(twin->fd)) {
+  if (!lock_soon(twin->fd)) {
     close(twin->fd);
     twin->fd = -1;
     return em_error_set(err, EM_FILE, twin->path, 0, "another process is writing this run");
