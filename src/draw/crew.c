@@ -2,6 +2,7 @@
  * context at a time; separate processes do not wait for each other. */
 #include "draw/crew.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -70,6 +71,7 @@ static struct view view_of(const struct em_crew *crew, size_t k, size_t *size) {
   TAKE(last, crew->count);
   TAKE(rgba, crew->pixels);
 #undef TAKE
+  assert(size != NULL || v.slot != NULL);
   if (size != NULL) *size = at;
   return v;
 }

@@ -313,7 +313,7 @@ static enum em_status draw_machine_and_balls(struct em_picture *p,
 
 /* Averages factor × factor samples into each pixel. */
 static void shrink(const uint8_t *from, uint8_t *to, int width, int height, int factor) {
-  const size_t row = 4 * (size_t)width * (size_t)factor, area = (size_t)(factor * factor);
+  const size_t row = 4 * (size_t)width * (size_t)factor, area = (size_t)factor * (size_t)factor;
   for (int y = 0; y < height; y++)
     for (int x = 0; x < width; x++, to += 4) {
       unsigned sum[4] = {0};
@@ -381,7 +381,7 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
 enum em_status em_picture_triple(struct em_picture *picture, const struct em_picture_state state[3],
                                  uint8_t *rgba, struct em_error *err) {
   const size_t pixels = (size_t)picture->options.width * (size_t)picture->options.height;
-  uint8_t *one = malloc(4 * pixels);
+  uint8_t *one = calloc(pixels, 4);
   if (one == NULL) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for three pictures");
   enum em_status status = EM_OK;
   for (size_t c = 0; c < 3 && status == EM_OK; c++) {

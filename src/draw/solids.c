@@ -2,6 +2,7 @@
  * thin one is drawn because the machine has it. */
 #include "draw/solids.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,6 +71,7 @@ static void finish_part(struct builder *b, enum material material, const struct 
     b->mesh.failed = true;
     return;
   }
+  assert(s->part != NULL);
   const struct em_part *last = s->part_count ? &s->part[s->part_count - 1] : NULL;
   const GLint first = last ? last->first + last->count : 0;
   s->part[s->part_count++] =

@@ -4,8 +4,8 @@
 
 #define FN_JOIN(name, suffix) name##_##suffix
 #define FN_MAKE(name, suffix) FN_JOIN(name, suffix)
-#define FN(name) FN_MAKE(name, LOOP)
-#define WITH(effect) ((LOOP_FLAGS & EM_LOOP_##effect) != 0)
+#define FN(name)              FN_MAKE(name, LOOP)
+#define WITH(effect)          ((LOOP_FLAGS & EM_LOOP_##effect) != 0)
 
 /* --- prediction of pairs ---------------------------------------------------------------------- */
 
@@ -61,10 +61,11 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
   return best;
 }
 
-/* The same four at a time, to the same bits. `fresh`: the last event of all was ball i's, so that the
- * other balls alone have to be moved on. */
-static inline __attribute__((always_inline)) struct em_prediction FN(first_of_four)(
-    const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now, bool fresh) {
+/* The same four at a time, to the same bits. `fresh`: the last event of all was ball i's, so that
+ * the other balls alone have to be moved on. */
+static inline __attribute__((always_inline)) struct em_prediction
+FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
+                  bool fresh) {
   const struct em_body *body = w->body, *a = &body[i];
   const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
   v4d best = v4d_all(INFINITY);
@@ -128,9 +129,9 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
                               double now) {
   w->tally.candidates += n;
   if (!w->local_kind->keeps_all) {
-    struct em_prediction p = !w->vectors ? FN(first_of)(w, i, id, n, now)
-                             : w->body[i].t >= now  ? FN(first_of_four)(w, i, id, n, now, true)
-                                                    : FN(first_of_four)(w, i, id, n, now, false);
+    struct em_prediction p = !w->vectors           ? FN(first_of)(w, i, id, n, now)
+                             : w->body[i].t >= now ? FN(first_of_four)(w, i, id, n, now, true)
+                                                   : FN(first_of_four)(w, i, id, n, now, false);
     if (p.time == INFINITY) return true;
     p.counter = w->trace[p.partner].counter;
     return w->local_kind->add(w->local, i, &p);
@@ -194,8 +195,7 @@ static bool FN(predict_walls)(struct em_world *w, uint32_t i, uint32_t axis, dou
   const double far = fabs(v) * h + (WITH(GRAVITY) ? 0.5 * fabs(g) * h * h : 0.0);
   if ((near + far) * (1.0 + 1e-12) < 0.5 * (high - low)) return true;
   return (!w->wall[2 * axis] || FN(predict_plane)(w, i, 2 * axis, x - low - r, v, g, h)) &&
-         (!w->wall[2 * axis + 1] ||
-          FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
+         (!w->wall[2 * axis + 1] || FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
 }
 
 /* A blade is searched only when the ball and it could close their gap by then. */
@@ -231,19 +231,18 @@ static bool FN(predict_room)(struct em_world *w, uint32_t i, double h) {
         !FN(predict_walls)(w, i, 2, b->z, b->vz, w->gravity.z, w->low.z, w->high.z, h))
       return false;
   }
-  return !w->walls ||
-         FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h);
+  return !w->walls || FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h);
 }
 
 /* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
  * place or meets another ball. */
 static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
-  const uint32_t near = w->partition_kind->surfaces(w, i), blades = near & ~EM_NEAR_WALL;
+  const uint32_t near = w->partition_kind->surfaces(w, i);
   if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
-  if (!WITH(ROTOR) || !blades) return true;
+  if (!WITH(ROTOR) || !(near & ~EM_NEAR_WALL)) return true;
   const double h = FN(until)(w, i) - w->body[i].t;
   for (uint32_t k = 0; k < w->blade_count; k++)
-    if (blades & EM_NEAR_BLADE(k) && !FN(predict_blade)(w, i, k, h)) return false;
+    if (near & EM_NEAR_BLADE(k) && !FN(predict_blade)(w, i, k, h)) return false;
   return true;
 }
 
@@ -258,7 +257,8 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
 static void FN(fetch)(struct em_world *w, uint32_t i) {
   uint32_t n;
   const uint32_t *id = w->partition_kind->candidates(w, i, &n);
-  for (uint32_t k = 0; k < n; k++) __builtin_prefetch(&w->body[id[k]]);
+  for (uint32_t k = 0; k < n; k++)
+    __builtin_prefetch(&w->body[id[k]]);
 }
 
 /* Predicts all events of ball i anew. */
@@ -314,8 +314,8 @@ static void FN(push)(struct em_world *w, uint32_t i, double mass, struct em_vec 
 }
 
 /* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
-static double FN(spin_up)(struct em_world *w, uint32_t i, double m, const struct em_contact_law *law,
-                          struct em_vec twist) {
+static double FN(spin_up)(struct em_world *w, uint32_t i, double m,
+                          const struct em_contact_law *law, struct em_vec twist) {
   const double r = w->body[i].radius;
   const struct em_vec d = em_vec_scale(em_contact_spin_factor(law->rule, m, r), twist);
   const struct em_vec old = w->spin[i];
@@ -371,16 +371,15 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   const double norm = em_vec_norm(d);
   const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};
   const struct em_vec u = {a->vx - b->vx, a->vy - b->vy, a->vz - b->vz};
-  struct em_vec g = u;
-  if (WITH(SPIN))
-    g = em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
-                                                 em_vec_scale(b->radius, w->spin[j]))));
+  const struct em_vec g =
+      WITH(SPIN) ? em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
+                                                            em_vec_scale(b->radius, w->spin[j]))))
+                 : u;
   const double mi = w->mass ? w->mass[i] : w->mass0, mj = w->mass ? w->mass[j] : w->mass0;
   const double meff = mi * mj / (mi + mj);
   const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));
   const struct em_contact_law *law = &w->scene->contact[EM_CLASS_BALL];
-  const struct em_impulse p =
-      em_contact_impulse(law, meff, e, g, act.frictionless, act.elastic);
+  const struct em_impulse p = em_contact_impulse(law, meff, e, g, act.frictionless, act.elastic);
   const struct em_vec sum = em_vec_add(p.normal, p.tangential);
   double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
   FN(push)(w, i, mi, sum);
@@ -394,9 +393,16 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   mark(w, j, i, sj);
   note(w, EM_CLASS_BALL, meff, p.vn, -gain);
   if (w->observers) {
-    const struct em_contact c = {.time = absolute(w, t), .cls = EM_CLASS_BALL, .ball = i,
-                                 .partner = j, .place = em_vec_axpy(centre(a), -a->radius, e),
-                                 .normal = e, .vn = p.vn, .vt = p.vt, .lost = -gain, .work = 0.0};
+    const struct em_contact c = {.time = absolute(w, t),
+                                 .cls = EM_CLASS_BALL,
+                                 .ball = i,
+                                 .partner = j,
+                                 .place = em_vec_axpy(centre(a), -a->radius, e),
+                                 .normal = e,
+                                 .vn = p.vn,
+                                 .vt = p.vt,
+                                 .lost = -gain,
+                                 .work = 0.0};
     tell(w, &c);
   }
   return EM_OK;
@@ -471,10 +477,16 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
   if (WITH(EXTRA) && cls != EM_CLASS_BLADE) w->tally.drum_work += work;
   if (w->observers) {
     const uint32_t wall = code - EM_SURFACE;
-    const struct em_contact c = {.time = absolute(w, t), .cls = cls, .ball = i,
+    const struct em_contact c = {.time = absolute(w, t),
+                                 .cls = cls,
+                                 .ball = i,
                                  .partner = cls == EM_CLASS_BLADE ? wall - EM_WALLS : wall,
-                                 .place = place, .normal = e, .vn = p.vn, .vt = p.vt,
-                                 .lost = work - gain, .work = work};
+                                 .place = place,
+                                 .normal = e,
+                                 .vn = p.vn,
+                                 .vt = p.vt,
+                                 .lost = work - gain,
+                                 .work = work};
     tell(w, &c);
   }
   return EM_OK;

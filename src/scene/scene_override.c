@@ -239,6 +239,7 @@ static void set_all_rpm(const struct override *o, config_setting_t *rotors) {
 /* Shares `total` in the proportions of `weight` (all equal where these are 0): floors first, then
  * the largest remainders, the first of equals. */
 static void share(long long total, size_t n, const double *weight, long long *part) {
+  if (n == 0) return;
   double sum = 0.0;
   for (size_t k = 0; k < n; ++k)
     sum += weight[k];
@@ -262,7 +263,7 @@ static void share(long long total, size_t n, const double *weight, long long *pa
 /* balls.count: the total of all species. */
 static void set_all_counts(const struct override *o, config_setting_t *balls) {
   double weight[SPECIES];
-  long long part[SPECIES];
+  long long part[SPECIES] = {0};
   size_t n = (size_t)length_of(balls);
   if (n > SPECIES) {
     complain(o, "too many species to share out, expected counts one by one");

@@ -117,11 +117,11 @@ static enum em_status pass_bracket(struct cursor *c) {
                           "nested too deeply, expected at most %d brackets", NESTING);
     c->bracket[(*c->nesting)++] = (char)(b == '[' ? ']' : b == '(' ? ')' : '}');
   } else {
-    if (*c->nesting == 0 || c->bracket[*c->nesting - 1] != b)
-      return em_error_set(c->err, EM_INPUT, c->file, c->line,
-                          *c->nesting == 0 ? "\"%c\" closes nothing"
-                                           : "found \"%c\", expected \"%c\"",
-                          b, c->bracket[*c->nesting > 0 ? *c->nesting - 1 : 0]);
+    if (*c->nesting == 0)
+      return em_error_set(c->err, EM_INPUT, c->file, c->line, "\"%c\" closes nothing", b);
+    if (c->bracket[*c->nesting - 1] != b)
+      return em_error_set(c->err, EM_INPUT, c->file, c->line, "found \"%c\", expected \"%c\"", b,
+                          c->bracket[*c->nesting - 1]);
     --*c->nesting;
   }
   c->at++;

@@ -124,6 +124,7 @@ static enum em_status no_room(const struct em_start_field *field, size_t count,
 static void sort_places(struct em_start_field *field, const struct em_start_group *group) {
   struct em_vec *r = field->balls->position + group->first;
   size_t n = group->species->count;
+  if (n == 0) return;
   double *key = malloc(n * sizeof *key);
   struct em_vec *sorted = malloc(n * sizeof *sorted);
   size_t *order = malloc(n * sizeof *order);

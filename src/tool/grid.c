@@ -1,6 +1,7 @@
 /* Tables of numbers and words by column. */
 #include "tool/grid.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,6 +27,7 @@ int em_grid_find(const struct em_grid *grid, const char *key) {
 }
 
 bool em_grid_put(struct em_grid_column *column, size_t row, const char *word) {
+  assert(column->word != NULL);
   free(column->word[row]);
   column->word[row] = strdup(word);
   return column->word[row] != NULL;

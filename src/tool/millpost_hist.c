@@ -1,4 +1,5 @@
 /* millpost hist: how often and how hard, as tables with confidence intervals and as a diagram. */
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -307,6 +308,7 @@ static enum em_status read_inputs(struct input *in, const struct em_millpost_opt
 
 static void facts(struct em_report *report, const struct input *in, int runs,
                   const struct em_millpost_options *o) {
+  assert(in[0].gather != NULL);
   em_report_fact_text(report, "of", "quantity", "%s [%s]", em_gather_symbol(in[0].gather->of),
                       em_gather_unit(in[0].gather->of));
   em_report_fact(report, "level", "level of the intervals", o->level, "");

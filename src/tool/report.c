@@ -1,6 +1,7 @@
 /* Reports of facts, tables and notes, printed as aligned text, CSV or JSON. */
 #include "tool/report.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -160,6 +161,7 @@ void em_report_column(struct em_report *report, const char *key, const char *hea
 
 static void add_cell(struct em_report *report, struct cell cell) {
   struct part *part = current(report);
+  assert(part->columns > 0);
   if (cell.has_half) part->column[part->cells % part->columns].has_half = true;
   part->cell = more(part->cell, part->cells, sizeof *part->cell);
   part->cell[part->cells++] = cell;
@@ -373,6 +375,7 @@ static void print_part_csv(const struct part *part, FILE *out) {
     csv_text(text, out);
   }
   if (part->columns > 0) fputc('\n', out);
+  assert(part->columns > 0 || part->cells == 0);
   for (size_t k = 0; k < part->cells; k++) {
     const size_t c = k % part->columns;
     if (c > 0) fputc(',', out);
