@@ -236,12 +236,15 @@ static enum em_status draw_effects(const struct em_cost *cost, const char *prefi
   double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
   char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
   const char *names[EM_COST_VARIANTS + 8];
+  double low = 0.0, high = 0.0;
   size_t n = 0;
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group == EM_COST_ACCURACY || r->failed) continue;
+    if (r->variant.group == EM_COST_ACCURACY || r->failed || !isfinite(r->time)) continue;
     x[n] = (double)n;
     y[n] = 100.0 * (r->time - 1.0);
+    low = fmin(low, y[n]);
+    high = fmax(high, y[n]);
     snprintf(number[n], sizeof number[n], "%zu", n + 1);
     snprintf(label[n], sizeof label[n], "%zu  %s", n + 1, r->variant.name);
     series[n] = (struct em_plot_series){
@@ -251,8 +254,8 @@ static enum em_status draw_effects(const struct em_cost *cost, const char *prefi
   }
   struct em_plot plot = {.title = "Effects against time",
                          .y_label = "computing time against the scene as it is  [%]",
-                         .x_high = 1.6 * (double)n,
-                         .x_low = -0.7,
+                         .y_low = 1.1 * low - 1.0, /* room for the legend above the bars */
+                         .y_high = 2.5 * high + 10.0,
                          .series_count = n,
                          .series = series,
                          .category = names,
