@@ -71,8 +71,7 @@ static double facets(const struct em_world *w, uint32_t i, bool touched, double 
     const double fall = em_vec_dot(e, w->gravity);
     if (gap > 0.0 && gap + (rate - 0.5 * fabs(fall) * horizon) * horizon > 0.0) continue;
     const bool same = touched && e.x == last.x && e.z == last.z;
-    first = fmin(first,
-                 em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, same));
+    first = fmin(first, em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, same));
   }
   return first <= horizon ? first : INFINITY;
 }

@@ -27,8 +27,8 @@ struct em_trace {
 
 /* Partners are balls (their index) or surfaces (EM_SURFACE + number). */
 enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
-#define EM_SURFACE 0xFFF00000u
-#define EM_NOBODY 0xFFFFFFFFu
+#define EM_SURFACE          0xFFF00000u
+#define EM_NOBODY           0xFFFFFFFFu
 #define EM_SURFACE_BLADE(k) (EM_SURFACE + EM_WALLS + (uint32_t)(k))
 
 /* A blade with what the loop asks of it. */
@@ -48,31 +48,31 @@ struct em_world {
   uint32_t count;
   struct em_body *body;
   struct em_trace *trace;
-  struct em_vec *spin; /* rad/s; NULL when no rule knows spins */
-  double *mass;        /* kg; NULL when all are equal */
+  struct em_vec *spin;             /* rad/s; NULL when no rule knows spins */
+  double *mass;                    /* kg; NULL when all are equal */
   double mass0, largest, smallest; /* kg; m, m: radii */
-  double *leave;       /* s: until when a ball's candidates are complete */
+  double *leave;                   /* s: until when a ball's candidates are complete */
 
   struct em_vec gravity;
-  double fall;     /* |gravity| */
-  double rho;      /* m, drum: its radius */
-  struct em_vec low, high; /* m, of the chamber */
+  double fall;                      /* |gravity| */
+  double rho;                       /* m, drum: its radius */
+  struct em_vec low, high;          /* m, of the chamber */
   struct em_vec period, per_period; /* m, 1/m; 0 where not periodic */
   bool drum;
   bool wall[EM_WALLS], walls; /* which there are; any plane at all */
   uint32_t blade_count;
   struct em_turning *blade;
   struct em_blade_tally *blade_tally;
-  double drum_omega; /* rad/s */
-  uint32_t facets;   /* flat sides of the drum; 0: round */
+  double drum_omega;    /* rad/s */
+  uint32_t facets;      /* flat sides of the drum; 0: round */
   struct em_vec *facet; /* their inward normals; NULL: none */
-  bool vectors;      /* pairs four at a time */
+  bool vectors;         /* pairs four at a time */
   /* Knobs beyond the choice of a quartic's solver; the drum's may be facets. */
   bool special_roots, special_drum, exact_pairs;
 
   double epoch_length; /* s, a power of two */
   uint64_t epoch;
-  double clock; /* s within the epoch */
+  double clock;  /* s within the epoch */
   double within; /* s: contacts in a row */
 
   const struct em_queue_kind *queue_kind;
@@ -121,8 +121,7 @@ double em_body_exact_pair(const struct em_world *world, uint32_t i, uint32_t j,
 
 /* How long until ball i reaches the drum, where knobs or facets ask for more than
  * em_surface_drum. */
-double em_body_special_drum(const struct em_world *world, uint32_t i, bool touched,
-                            double horizon);
+double em_body_special_drum(const struct em_world *world, uint32_t i, bool touched, double horizon);
 
 /* Inward normal of the facet that is nearest to x. */
 struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
@@ -142,8 +141,7 @@ static inline double em_body_shift(double d, double period, double per_period) {
 static inline struct em_vec em_body_at(const struct em_world *w, uint32_t i, double t) {
   const struct em_body *b = &w->body[i];
   const double dt = t - b->t, h = 0.5 * dt * dt;
-  return (struct em_vec){b->x + b->vx * dt + w->gravity.x * h,
-                         b->y + b->vy * dt + w->gravity.y * h,
+  return (struct em_vec){b->x + b->vx * dt + w->gravity.x * h, b->y + b->vy * dt + w->gravity.y * h,
                          b->z + b->vz * dt + w->gravity.z * h};
 }
 

@@ -12,7 +12,9 @@
 #include "event/collapse.h"
 #include "event/partition.h"
 
-enum { FETCH_FROM = 8192 }; /* balls: from here on their states do not fit into the nearest caches */
+enum {
+  FETCH_FROM = 8192
+}; /* balls: from here on their states do not fit into the nearest caches */
 
 struct remedy {
   bool frictionless, elastic;

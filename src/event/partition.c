@@ -5,11 +5,16 @@
 
 const struct em_partition_kind *em_partition_find(enum em_partition partition) {
   switch (partition) {
-    case EM_PARTITION_NEIGHBOURS: return &em_partition_neighbours;
-    case EM_PARTITION_CELLS: return &em_partition_cells;
-    case EM_PARTITION_SLICES: return &em_partition_slices;
-    case EM_PARTITION_NONE: return &em_partition_none;
-    default: return NULL;
+  case EM_PARTITION_NEIGHBOURS:
+    return &em_partition_neighbours;
+  case EM_PARTITION_CELLS:
+    return &em_partition_cells;
+  case EM_PARTITION_SLICES:
+    return &em_partition_slices;
+  case EM_PARTITION_NONE:
+    return &em_partition_none;
+  default:
+    return NULL;
   }
 }
 

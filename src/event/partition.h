@@ -12,8 +12,7 @@ struct em_partition_kind {
   const char *name;
   /* Makes the partition for the world's balls at its clock and sets all leave times. Reads the
    * world's scene, bodies, bounds, period and blades. Errors: EM_MEMORY, EM_INPUT. */
-  enum em_status (*make)(struct em_world *world, struct em_places **places,
-                         struct em_error *err);
+  enum em_status (*make)(struct em_world *world, struct em_places **places, struct em_error *err);
   void (*free)(struct em_places *places);
   /* All candidates of ball i (i itself is not among them); valid until the next call. */
   const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
@@ -49,7 +48,8 @@ const struct em_partition_kind *em_partition_find(enum em_partition partition);
 double em_partition_stay(const struct em_world *world, uint32_t i, double from, struct em_vec c,
                          double room);
 
-/* The blades, as bits EM_NEAR_BLADE, that a ball whose centre stays within `room` of c can touch. */
+/* The blades, as bits EM_NEAR_BLADE, that a ball whose centre stays within `room` of c can touch.
+ */
 uint32_t em_partition_blades(const struct em_world *world, struct em_vec c, double radius,
                              double room);
 

@@ -13,8 +13,8 @@
 #include "event/partition.h"
 #include "event/shells.h"
 
-#define STRAIGHT 0.8 /* share of the skin for the straight part of a path */
-#define KEEP 0.72    /* of the skin: nearer to its centre a shell is kept when its time is up */
+#define STRAIGHT 0.8  /* share of the skin for the straight part of a path */
+#define KEEP     0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
 
 enum {
   LIST_LEAST = 16,  /* a list's room is at least this, doubled when full */
@@ -38,7 +38,7 @@ struct em_places {
   struct list *list;
   uint32_t *mark; /* stamps of the last search */
   uint32_t stamp;
-  uint32_t *near;   /* surfaces near each shell; NULL where there are none */
+  uint32_t *near; /* surfaces near each shell; NULL where there are none */
 
   uint32_t *pool; /* of all lists */
   size_t pool_used, pool_room;
@@ -49,9 +49,9 @@ struct em_places {
   uint32_t *found; /* result of a search */
   size_t found_room;
 
-  double omega;    /* rad/s of the shells about the drum's axis */
-  double phase;    /* rad, their angle at the epoch's start */
-  double at, cos, sin; /* of their angle at the time `at` */
+  double omega;                 /* rad/s of the shells about the drum's axis */
+  double phase;                 /* rad, their angle at the epoch's start */
+  double at, cos, sin;          /* of their angle at the time `at` */
   double now, cos_now, sin_now; /* and at the time last asked for */
   bool may_turn;
   double bend, bend_per_speed2; /* m/s², 1/m: see set_bend */
@@ -62,7 +62,8 @@ struct em_places {
 
 static bool grow(void **array, size_t size, size_t *room, size_t wanted) {
   size_t more = *room ? *room : 64;
-  while (more < wanted) more *= 2;
+  while (more < wanted)
+    more *= 2;
   void *p = realloc(*array, more * size);
   if (!p) return false;
   *array = p;
@@ -74,7 +75,8 @@ static bool grow(void **array, size_t size, size_t *room, size_t wanted) {
 
 static unsigned class_of(uint32_t room) {
   unsigned k = 0;
-  while (((uint32_t)LIST_LEAST << k) < room) k++;
+  while (((uint32_t)LIST_LEAST << k) < room)
+    k++;
   return k;
 }
 
@@ -117,7 +119,8 @@ static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
   struct list *l = &p->list[i];
   uint32_t *e = p->pool + l->at;
   uint32_t k = 0;
-  while (e[k] != j) k++;
+  while (e[k] != j)
+    k++;
   e[k] = e[--l->count];
 }
 
@@ -215,8 +218,8 @@ static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, d
   return near;
 }
 
-/* Leave times are lower bounds, and often a ball is still well inside its shell: then it stays there,
- * and the time is set anew. */
+/* Leave times are lower bounds, and often a ball is still well inside its shell: then it stays
+ * there, and the time is set anew. */
 static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, double now) {
   struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
   const double fast2 = em_vec_norm2(v);
@@ -282,7 +285,8 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   uint32_t found;
   if (!search(w, p, i, &found)) goto memory;
   const uint32_t kept = next_stamp(p);
-  for (uint32_t k = 0; k < l->count; k++) p->mark[p->pool[l->at + k]] = kept - 1;
+  for (uint32_t k = 0; k < l->count; k++)
+    p->mark[p->pool[l->at + k]] = kept - 1;
   *count = 0;
   for (uint32_t k = 0; k < found; k++) {
     const uint32_t j = p->found[k];
@@ -335,13 +339,14 @@ static uint32_t surfaces(const struct em_world *w, uint32_t i) {
 static double skin_for(const struct em_world *w) {
   if (w->scene->engine.skin > 0.0) return w->scene->engine.skin;
   double balls = 0.0;
-  for (uint32_t i = 0; i < w->count; i++) balls += pow(w->body[i].radius, 3.0);
+  for (uint32_t i = 0; i < w->count; i++)
+    balls += pow(w->body[i].radius, 3.0);
   const double phi = fmax(balls * 4.0 / 3.0 * M_PI / em_scene_volume(w->scene), 1e-3);
   return fmin(1.0, 0.18 / cbrt(phi));
 }
 
-/* In a periodic box the image that is nearest at a prediction has to be the one that is met: until a
- * ball leaves its shell it moves by two skins at the most, a pair by four. */
+/* In a periodic box the image that is nearest at a prediction has to be the one that is met: until
+ * a ball leaves its shell it moves by two skins at the most, a pair by four. */
 static enum em_status fit_period(struct em_world *w, struct em_places *p, struct em_error *err) {
   const double period[3] = {w->period.x, w->period.y, w->period.z};
   for (int k = 0; k < 3; k++) {
@@ -359,7 +364,8 @@ static enum em_status fit_period(struct em_world *w, struct em_places *p, struct
 
 static void free_places(struct em_places *p) {
   if (!p) return;
-  for (int k = 0; k < LIST_CLASSES; k++) free(p->spare[k]);
+  for (int k = 0; k < LIST_CLASSES; k++)
+    free(p->spare[k]);
   free(p->shell);
   free(p->list);
   free(p->mark);
@@ -377,8 +383,8 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(w->count, sizeof *p->near);
   return p->shell && p->list && p->mark && (p->near || !any) &&
-         em_shells_init(&p->shells, w->count, w->low, w->high, w->period,
-                        p->skin_most + w->largest, w->loop->avx2);
+         em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
+                        w->loop->avx2);
 }
 
 /* Enters the balls one by one; each finds those entered before. */
@@ -442,7 +448,8 @@ static bool renew(struct em_world *w) {
   p->phase = 0.0;
   set_bend(w, p, hypot(rest, omega * w->rho));
   em_shells_clear(&p->shells);
-  for (uint32_t i = 0; i < w->count; i++) p->list[i].count = 0;
+  for (uint32_t i = 0; i < w->count; i++)
+    p->list[i].count = 0;
   return fill(w, p);
 }
 
@@ -478,7 +485,8 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 static size_t bytes(const struct em_places *p) {
   size_t sum = p->count * (sizeof *p->shell + sizeof *p->list + sizeof *p->mark) +
                p->pool_room * sizeof *p->pool + p->found_room * sizeof *p->found;
-  for (int k = 0; k < LIST_CLASSES; k++) sum += p->spare_room[k] * sizeof **p->spare;
+  for (int k = 0; k < LIST_CLASSES; k++)
+    sum += p->spare_room[k] * sizeof **p->spare;
   return sum + em_shells_bytes(&p->shells) + (p->near ? p->count * sizeof *p->near : 0);
 }
 
@@ -491,7 +499,8 @@ static bool is_valid(const struct em_world *w) {
     for (uint32_t k = 0; k < l->count; k++) {
       const struct list *m = &p->list[p->pool[l->at + k]];
       uint32_t seen = 0;
-      for (uint32_t h = 0; h < m->count; h++) seen += p->pool[m->at + h] == i;
+      for (uint32_t h = 0; h < m->count; h++)
+        seen += p->pool[m->at + h] == i;
       if (seen != 1) return false;
     }
   }

@@ -12,7 +12,8 @@ struct em_queue; /* opaque; each kind has its own */
 
 #define EM_QUEUE_NOBODY UINT32_MAX
 
-/* An exchangeable global list. Times never lie before that of the last `first`, except after `clear`. */
+/* An exchangeable global list. Times never lie before that of the last `first`, except after
+ * `clear`. */
 struct em_queue_kind {
   const char *name;
   /* count balls; spacing: expected time between successive events (s), a hint. NULL: no memory. */

@@ -13,7 +13,7 @@
 /* Shells per cell, where these are not too small for it: eight are looked at in one go. */
 #define PER_CELL 4.0
 
-#define FIND find_plain
+#define FIND     find_plain
 static uint32_t find_plain(const struct em_shells *s, const float centre[3], float hull,
                            uint32_t *id, uint32_t most);
 #include "event/shells_find.h"
@@ -27,7 +27,8 @@ static float *block_of(const struct em_shells *s, uint32_t cell) {
 }
 
 static void vacate(float *block, uint32_t room) {
-  for (uint32_t k = 0; k < room; k++) block[k] = INFINITY;
+  for (uint32_t k = 0; k < room; k++)
+    block[k] = INFINITY;
 }
 
 /* Doubles the room of every cell. */
@@ -111,14 +112,17 @@ void em_shells_quit(struct em_shells *s, uint32_t i) {
   const uint32_t c = s->cell[i], last = --s->held[c], room = s->room;
   float *e = block_of(s, c);
   uint32_t k = 0;
-  while (memcmp(e + 4 * room + k, &i, sizeof i) != 0) k++;
-  for (uint32_t f = 0; f < EM_SHELLS_FIELDS; f++) e[f * room + k] = e[f * room + last];
+  while (memcmp(e + 4 * room + k, &i, sizeof i) != 0)
+    k++;
+  for (uint32_t f = 0; f < EM_SHELLS_FIELDS; f++)
+    e[f * room + k] = e[f * room + last];
   e[last] = INFINITY;
 }
 
 void em_shells_clear(struct em_shells *s) {
   const size_t n = cells(s);
-  for (size_t c = 0; c < n; c++) vacate(block_of(s, (uint32_t)c), s->held[c]);
+  for (size_t c = 0; c < n; c++)
+    vacate(block_of(s, (uint32_t)c), s->held[c]);
   memset(s->held, 0, n * sizeof *s->held);
 }
 

@@ -16,10 +16,10 @@ enum {
 /* The grid. Single precision: a centre is what it says, exactly; `slack` covers the rounding of
  * distances. Empty places of a cell have x = INFINITY, so that nothing is near them. */
 struct em_shells {
-  int n[3];         /* cells along x, y, z */
+  int n[3];                    /* cells along x, y, z */
   double edge[3], per_edge[3]; /* m, 1/m */
-  float period[3];  /* m, 0 where not periodic */
-  bool whole;       /* a periodic edge has less than three cells: nearest images one by one */
+  float period[3];             /* m, 0 where not periodic */
+  bool whole; /* a periodic edge has less than three cells: nearest images one by one */
   struct em_vec low;
   float slack;      /* m */
   double hull_most; /* m: largest hull that may be entered */
@@ -37,15 +37,16 @@ bool em_shells_init(struct em_shells *s, uint32_t count, struct em_vec low, stru
                     struct em_vec period, double hull_most, bool avx2);
 void em_shells_release(struct em_shells *s);
 
-/* Enters shell i with its centre and hull (m): room for the ball's centre plus the ball's radius. */
+/* Enters shell i with its centre and hull (m): room for the ball's centre plus the ball's radius.
+ */
 bool em_shells_enter(struct em_shells *s, uint32_t i, const float centre[3], float hull);
 void em_shells_quit(struct em_shells *s, uint32_t i);
 void em_shells_clear(struct em_shells *s);
 
 /* Fills in all shells whose hulls come within reach of this one, and returns how many; `most` of
  * them means that there may be more. */
-uint32_t em_shells_find(const struct em_shells *s, const float centre[3], float hull,
-                        uint32_t *id, uint32_t most);
+uint32_t em_shells_find(const struct em_shells *s, const float centre[3], float hull, uint32_t *id,
+                        uint32_t most);
 uint32_t em_shells_avx2_find(const struct em_shells *s, const float centre[3], float hull,
                              uint32_t *id, uint32_t most);
 

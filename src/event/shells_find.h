@@ -14,7 +14,8 @@ static inline unsigned bits_of(v8i mask) {
   return (unsigned)(_mm_movemask_ps(m.half[0]) | _mm_movemask_ps(m.half[1]) << 4);
 #else
   unsigned bits = 0;
-  for (int k = 0; k < 8; k++) bits |= (mask[k] & 1u) << k;
+  for (int k = 0; k < 8; k++)
+    bits |= (mask[k] & 1u) << k;
   return bits;
 #endif
 }
@@ -27,7 +28,8 @@ static inline uint32_t *append(uint32_t *id, const float *name, unsigned near) {
   _mm256_storeu_si256((__m256i *)id, _mm256_permutevar8x32_epi32(all, order));
   return id + __builtin_popcount(near);
 #else
-  for (; near; near &= near - 1) memcpy(id++, name + __builtin_ctz(near), sizeof *id);
+  for (; near; near &= near - 1)
+    memcpy(id++, name + __builtin_ctz(near), sizeof *id);
   return id;
 #endif
 }

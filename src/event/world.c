@@ -43,9 +43,9 @@ static void set_chamber(struct em_world *w) {
   }
   w->wall[EM_WALL_DRUM] = w->drum;
   w->period = em_vec_make(period[0], period[1], period[2]);
-  w->per_period = em_vec_make(period[0] > 0.0 ? 1.0 / period[0] : 0.0,
-                              period[1] > 0.0 ? 1.0 / period[1] : 0.0,
-                              period[2] > 0.0 ? 1.0 / period[2] : 0.0);
+  w->per_period =
+      em_vec_make(period[0] > 0.0 ? 1.0 / period[0] : 0.0, period[1] > 0.0 ? 1.0 / period[1] : 0.0,
+                  period[2] > 0.0 ? 1.0 / period[2] : 0.0);
 }
 
 static bool set_facets(struct em_world *w) {
@@ -264,7 +264,8 @@ size_t em_world_blade_count(const struct em_world *w) {
 
 uint64_t em_world_collisions(const struct em_world *w) {
   uint64_t sum = 0;
-  for (int k = 0; k < EM_CLASS_COUNT; k++) sum += w->tally.collisions[k];
+  for (int k = 0; k < EM_CLASS_COUNT; k++)
+    sum += w->tally.collisions[k];
   return sum;
 }
 
@@ -293,9 +294,9 @@ void em_world_state(const struct em_world *w, double time, struct em_balls *ball
       balls->species[i++] = (uint16_t)s;
   for (i = 0; i < w->count; i++) {
     const struct em_vec x = em_body_at(w, (uint32_t)i, t);
-    balls->position[i] = em_vec_make(inside(x.x, w->low.x, w->period.x),
-                                     inside(x.y, w->low.y, w->period.y),
-                                     inside(x.z, w->low.z, w->period.z));
+    balls->position[i] =
+        em_vec_make(inside(x.x, w->low.x, w->period.x), inside(x.y, w->low.y, w->period.y),
+                    inside(x.z, w->low.z, w->period.z));
     balls->velocity[i] = em_body_velocity(w, (uint32_t)i, t);
     balls->spin[i] = w->spin ? w->spin[i] : em_vec_make(0.0, 0.0, 0.0);
     balls->radius[i] = w->body[i].radius;
@@ -373,8 +374,7 @@ static bool clear_of_walls(const struct em_world *w, uint32_t i, double toleranc
   return true;
 }
 
-static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance,
-                           struct em_error *err) {
+static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance, struct em_error *err) {
   uint32_t n;
   const uint32_t *id = w->partition_kind->candidates(w, i, &n);
   const struct em_vec x = em_body_at(w, i, w->clock);
@@ -384,8 +384,8 @@ static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance,
     double e[3] = {d.x, d.y, d.z};
     for (int a = 0; a < 3; a++)
       if (period[a] > 0.0) e[a] -= period[a] * nearbyint(e[a] / period[a]);
-    const double depth = w->body[i].radius + w->body[id[k]].radius -
-                         sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+    const double depth =
+        w->body[i].radius + w->body[id[k]].radius - sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
     if (!(depth <= tolerance)) return fault(err, w, i, id[k], depth);
   }
   return true;
