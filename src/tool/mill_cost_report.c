@@ -255,7 +255,7 @@ static enum em_status draw_effects(const struct em_cost *cost, const char *prefi
   struct em_plot plot = {.title = "Effects against time",
                          .y_label = "computing time against the scene as it is  [%]",
                          .y_low = 1.1 * low - 1.0, /* room for the legend above the bars */
-                         .y_high = 2.5 * high + 10.0,
+                         .y_high = high + 1.2 * (high - low) + 5.0,
                          .series_count = n,
                          .series = series,
                          .category = names,
