@@ -209,7 +209,8 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
     if (!is_family(before, r->variant.name)) {
       const char *name = r->variant.name;
       snprintf(names[families], sizeof names[0], "%.*s", (int)strcspn(name, " :"), name);
-      if (strcmp(names[families], "no") == 0) snprintf(names[families], sizeof names[0], "shortcut");
+      if (strcmp(names[families], "no") == 0)
+        snprintf(names[families], sizeof names[0], "shortcut");
       series[families] = (struct em_plot_series){
           .name = names[families], .style = EM_PLOT_POINTS, .x = &x[n], .y = &y[n]};
       families++;
