@@ -37,7 +37,9 @@ static enum em_status mix(struct em_scene *scene, struct em_error *err) {
   more[0].count = more[1].count / 2;
   more[1].count -= more[0].count;
   more[0].density *= 1.0 + 1e-12;
-  /* The balls come from the snapshot. */
+  /* The balls come from the snapshot; rows of a table stay with the other half. */
+  if (more[0].start == EM_START_TABLE) more[0].speed = 0.0;
+  more[0].start = EM_START_UNIFORM;
   more[0].position = more[0].velocity = more[0].spin = NULL;
   return EM_OK;
 }

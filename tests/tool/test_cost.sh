@@ -76,6 +76,9 @@ check "Ferrari's form loses digits" \
 check "JSON" python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); d["accuracy"][0]["time"]' \
   "$work/json"
 
+expect 0 "" "a box with balls from a table" "$mill" cost geometries/newtons-cradle.cfg --time 0.2 \
+  --rounds 2 -q
+
 # ---------------------------------------------------------------- until precision
 small=("$gas" balls.count=300 record.collisions=false duration=20 -o none -q)
 expect 0 "precision reached" "stops when it is reached" \
