@@ -84,6 +84,9 @@ enum em_status em_run_file_frame(const struct em_run_file *file, size_t k, struc
                                  struct em_error *err);
 /* The last frame of the file at `path`: what species with start = "run" begin from. */
 enum em_status em_run_file_last(const char *path, struct em_balls **balls, struct em_error *err);
+/* Turns the blades of a scene whose balls start from a run to where they stood at that run's last
+ * frame, when it had as many blades; other scenes stay as they are. */
+enum em_status em_run_file_turn(struct em_scene *scene, struct em_error *err);
 
 /* Observables: names as in docs/run-file.md ("kinetic_energy", "collisions", ...). */
 bool em_run_file_has(const struct em_run_file *file, const char *name);

@@ -318,6 +318,35 @@ enum em_status em_run_file_last(const char *path, struct em_balls **out, struct 
   return status;
 }
 
+static void turn_blades(struct em_scene *scene, const struct em_scene *old, double time) {
+  struct em_rotor *rotor = scene->rotor;
+  size_t b = 0;
+  for (size_t r = 0; r < old->rotor_count; r++)
+    for (size_t k = 0; k < old->rotor[r].blade_count; k++, b++) {
+      const struct em_blade *from = &old->rotor[r].blade[k];
+      while (b == rotor->blade_count) {
+        rotor++;
+        b = 0;
+      }
+      rotor->blade[b].angle = fmod(from->angle + from->omega * time, 2.0 * M_PI);
+    }
+}
+
+enum em_status em_run_file_turn(struct em_scene *scene, struct em_error *err) {
+  const char *path = NULL;
+  for (size_t s = 0; s < scene->species_count && !path; s++)
+    if (scene->species[s].start == EM_START_RUN) path = scene->species[s].from;
+  if (!path || em_scene_blade_count(scene) == 0) return EM_OK;
+  struct em_run_file *file = NULL;
+  const enum em_status status = em_run_file_open(&file, path, err);
+  if (status) return status;
+  const struct em_scene *old = em_run_file_scene(file);
+  if (file->frames > 0 && em_scene_blade_count(old) == em_scene_blade_count(scene))
+    turn_blades(scene, old, em_run_file_frame_time(file, file->frames - 1));
+  em_run_file_close(file);
+  return EM_OK;
+}
+
 /* ---------------------------------------------------------------- observables */
 
 bool em_run_file_has(const struct em_run_file *file, const char *name) {

@@ -58,6 +58,7 @@ enum em_status em_mill_cost_run_scene(const struct em_cost *cost,
   *hidden = 0;
   enum em_status status = em_scene_read(scene, cost->path, all, list, err);
   free(list);
+  if (!status) status = em_run_file_turn(*scene, err);
   if (status || !variant) return status;
   if (variant->change == EM_COST_NO_ROTOR) {
     *hidden = (*scene)->rotor_count;
@@ -318,6 +319,7 @@ static enum em_status record(const struct em_cost *cost, const struct em_cost_va
     list[n++] = duration;
     struct em_scene *scene = NULL;
     status = em_scene_read(&scene, cost->path, n, list, err);
+    if (!status) status = em_run_file_turn(scene, err);
     const struct em_recorder_options options = {.path = path, .force = true};
     const double from = cpu();
     if (!status) status = em_recorder_run(scene, &options, NULL, NULL, err);

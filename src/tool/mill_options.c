@@ -86,8 +86,11 @@ void em_mill_complain(const struct em_error *err) {
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options) {
   struct em_error err = {0};
   if (em_scene_read(scene, options->scene, options->override_count, options->overrides, &err) ==
-      EM_OK)
-    return -1;
+      EM_OK) {
+    if (em_run_file_turn(*scene, &err) == EM_OK) return -1;
+    em_scene_free(*scene);
+    *scene = NULL;
+  }
   em_mill_complain(&err);
   return err.code == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
 }

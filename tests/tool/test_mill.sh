@@ -133,6 +133,16 @@ if mkdir "$work/small" && mount -t tmpfs -o size=5m tmpfs "$work/small" 2>/dev/n
   expect 2 "Read-only file system" "a read-only disk" "$mill" run "${small[@]}" -o "$work/small/b.h5" -q
 fi
 
+# ---------------------------------------------------------------- from run to run
+mill_scene=(geometries/simoloyer-2l.cfg record.frames=100.0)
+expect 0 "" "a mill" "$mill" run "${mill_scene[@]}" duration=0.03 -o "$work/first.h5" -q
+second=("${mill_scene[@]}" balls.start=run balls.from="$work/first.h5")
+expect 0 "" "it goes on from its last frame, blades too" \
+  "$mill" run "${second[@]}" duration=0.005 -o "$work/second.h5" -q
+check "its scene is printed" bash -c "'$mill' check ${second[*]} >'$work/second.cfg'"
+check "and reads back the same" \
+  bash -c "'$mill' check '$work/second.cfg' | cmp - '$work/second.cfg'"
+
 # ---------------------------------------------------------------- damaged files
 head -c 30000 "$work/whole.h5" >"$work/short.h5"
 expect 2 "truncated, damaged" "resuming a truncated file" "$mill" run "${long[@]}" -o "$work/short.h5" --resume -q
