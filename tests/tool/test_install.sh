@@ -5,9 +5,8 @@ set -eu
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 
-# Under make, its settings (BUILD, SAN, CC) come with the environment.
-settings=()
-[ -n "${MAKEFLAGS:-}" ] || settings=("BUILD=$BUILD")
+# BUILD is where this kind of build (SAN, DEBUG) is, not the folder above it.
+settings=("BUILD=$BUILD" SAN= DEBUG=)
 make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill install-files
 top=$root/opt/mill
 
