@@ -19,8 +19,9 @@ void em_collapse_partner(uint32_t partner, char *text, size_t room) {
              'x' + (int)(partner - EM_SURFACE) / 2);
 }
 
-/* What a cluster touches: balls hang together where they are closer than `near` (m). */
+/* A cluster and what it touches: balls hang together where they are closer than `near` (m). */
 struct hold {
+  uint32_t balls;
   bool wall, blade;
 };
 
@@ -41,7 +42,7 @@ static void add_surfaces(const struct em_world *w, uint32_t i, double t, double 
 
 /* Follows the cluster of ball i, from ball to ball, as long as there is memory for it. */
 static struct hold held(struct em_world *w, uint32_t i, double t) {
-  struct hold hold = {false, false};
+  struct hold hold = {0, false, false};
   const double near = 1e-4 * w->smallest;
   uint32_t *chain = calloc(w->count, sizeof *chain), length = 1;
   bool *seen = calloc(w->count, sizeof *seen);
@@ -61,10 +62,19 @@ static struct hold held(struct em_world *w, uint32_t i, double t) {
         chain[length++] = id[k];
       }
     }
+    hold.balls = length;
   }
   free(chain);
   free(seen);
   return hold;
+}
+
+/* Speed (m/s) of a ball that glides or rolls along a wall, pressed to it by its own motion; 0: it
+ * lies there, or others hold it. What its weight alone would do is no gliding. */
+static double gliding(const struct em_world *w, uint32_t i, double t, struct hold hold) {
+  const double v2 = em_vec_norm2(em_body_velocity(w, i, t));
+  const bool alone = hold.balls == 1 && hold.wall && !hold.blade;
+  return alone && v2 > w->fall * w->body[i].radius ? sqrt(v2) : 0.0;
 }
 
 /* A jam is what hangs between a blade and a wall; anything else has collapsed by itself. */
@@ -76,9 +86,16 @@ enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint
   const struct em_vec x = em_body_at(w, i, t);
   const struct hold hold = held(w, i, t);
   const bool jam = hold.wall && hold.blade;
+  const double speed = gliding(w, i, t, hold);
   const char *advice = "hard spheres at rest on one another need remedy.tc or remedy.elastic_below";
   if (jam && w->scene->remedy.jam_after > 0) advice = "the balls have no way out";
   if (jam && w->scene->remedy.jam_after == 0) advice = "remedy.jam_after may open it";
+  char glide[160];
+  snprintf(glide, sizeof glide,
+           "it glides along the wall at %.3g m/s in ever smaller hops; remedy.elastic_below=0.001, "
+           "or remedy.tc, keeps them finite",
+           speed);
+  if (speed > 0.0) advice = glide;
   return em_error_set(
       err, jam ? EM_JAM : EM_COLLAPSE, w->scene->file, 0,
       "%s at %.9g s: ball %u at (%.6g, %.6g, %.6g) m, now with %s, had %u contacts in a row, each "
