@@ -7,6 +7,7 @@
 
 #include "eventmill/error.h"
 #include "eventmill/run_file.h"
+#include "tool/millpost_line.h"
 #include "tool/report.h"
 
 /* Exit codes. */
@@ -38,7 +39,7 @@ int em_millpost_export(int argc, char **argv);
 struct em_millpost_options {
   int run_count;
   char **run;                                      /* arguments that are no options */
-  enum em_report_format format;                    /* TEXT */
+  int format;                                      /* enum em_report_format: TEXT */
   const char *out;                                 /* NULL */
   const char *of;                                  /* NULL */
   const char *cells;                               /* NULL */
@@ -54,15 +55,7 @@ struct em_millpost_options {
   double target;                                   /* NAN */
   long bins, slices, tubes, sectors, rings, every; /* 0 */
   bool cumulative, curve, log, relative, spread;   /* false */
-  bool scene, anyway;                              /* false */
-};
-
-/* What --help says. options: names of long options that the command takes, "" ends the list;
- * --help, --csv and --json are always there. */
-struct em_millpost_help {
-  const char *name, *arguments, *summary, *details, *examples;
-  const char *const *options;
-  int least, most; /* number of arguments; most < 0: any */
+  bool scene, anyway, quiet;                       /* false */
 };
 
 /* Reads a command line. Returns -1 to go on, or the exit code (help was printed, or a message). */

@@ -8,8 +8,8 @@
 #include "tool/export.h"
 #include "tool/millpost.h"
 
-static const char *const option_names[] = {"to-format", "of",    "from",   "until",
-                                           "at",        "every", "output", ""};
+static const char *const option_names[] = {"to-format", "what",  "first",  "until",
+                                           "at",        "every", "result", ""};
 
 static const struct em_millpost_help help = {
     .name = "export",

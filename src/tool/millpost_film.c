@@ -83,7 +83,7 @@ static enum em_status set_up(struct em_film_options *options, struct reel *reel,
   const enum em_status status = em_show_at(reel->show, 0.5 * (reel->from + to), &state, err);
   if (status != EM_OK) return status;
   options->picture = em_millpost_look_picture(look, em_run_file_scene(run), state.balls);
-  if (!(look->smooth > 0.0)) options->picture.smooth = 1;
+  if (look->smooth == 0) options->picture.smooth = 1;
   options->picture.camera.orbits = look->orbit != 0.0;
   write_note(options->picture.note, sizeof options->picture.note, 1.0 / (reel->step * look->fps));
   options->frames = (size_t)frames;

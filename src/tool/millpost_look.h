@@ -7,6 +7,10 @@
 #include "eventmill/film.h"
 #include "eventmill/show.h"
 
+struct em_millpost_hidden {
+  bool rotor, drum, balls, legend, histogram;
+};
+
 /* What a command line says; NAN or 0 where it says nothing. */
 struct em_millpost_look {
   const char *run, *out;
@@ -19,15 +23,16 @@ struct em_millpost_look {
   int by, map;      /* -1: not said */
   double low, high; /* ends of the scale; NAN */
   double show_low, show_high;
-  double balls, smooth; /* 0: not said */
-  bool hide_rotor, hide_drum, hide_balls, hide_legend, hide_histogram;
+  long balls, smooth; /* 0: not said */
+  struct em_millpost_hidden hide;
   struct em_show_options show;
-  double at, triple;                                   /* frame; NAN */
-  double from, to, fps, slow, orbit, workers, quality; /* film; NAN */
+  double at, triple;                 /* frame; NAN */
+  double from, to, fps, slow, orbit; /* film; NAN */
+  long workers, quality;             /* film; 0: not said */
 };
 
 /* Which command's options are allowed. */
-enum em_millpost_kind { EM_LOOK_FRAME = 1, EM_LOOK_FILM = 2 };
+enum em_millpost_kind { EM_LOOK_FRAME, EM_LOOK_FILM };
 
 /* Reads a command line. Returns -1 to go on, or the exit code (help was printed, or a message). */
 int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind kind, int argc,

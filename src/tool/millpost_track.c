@@ -1,7 +1,5 @@
 /* millpost track: restitution from films of a ball that hits a plate. */
 #include <errno.h>
-#include <getopt.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,113 +7,67 @@
 #include "eventmill/track.h"
 #include "tool/millpost.h"
 
-static const char help[] =
-    "Usage: millpost track FOLDER ... --fps F (--diameter D | --scale S) [OPTION ...]\n\n"
-    "Measures the normal restitution of a ball that is shot, or falls, at a plate. Each FOLDER "
-    "holds\n"
-    "one film as PNG frames in the order of their names, from a camera that stands still. Uneven\n"
-    "light, flicker, stripes and noise are taken out; the plate has to be along a side of the "
-    "picture.\n\nOptions:\n"
-    "  --fps F            frames per second of the camera\n"
-    "  --diameter D       of the ball, in m: gives the scale\n"
-    "  --scale S          m per pixel, when it is known better\n"
-    "  --plate SIDE       left, right, top, bottom; default: auto, where the ball turns back\n"
-    "  --roundness X      how far U²/(4πA) of a contour may be from 1; default: 0.15\n"
-    "  --smoothing S      of the frames, in pixels; default: 1\n"
-    "  --places           list centre and radius in each frame\n"
-    "  --output FILE      -o FILE: speed and restitution of each film, for millpost fit\n"
-    "  --csv, --json      tables for programs\n"
-    "  --help             print this\n\n"
-    "Examples:\n"
-    "  millpost track shot-17 --fps 5000 --diameter 0.005\n"
-    "  millpost track shots/* --fps 5000 --diameter 0.005 -o shots.txt\n"
-    "  millpost fit shots.txt -o shots.png\n";
-
-static const struct option options[] = {
-    {"fps", required_argument, NULL, 'f'},
-    {"diameter", required_argument, NULL, 'd'},
-    {"scale", required_argument, NULL, 's'},
-    {"plate", required_argument, NULL, 'p'},
-    {"roundness", required_argument, NULL, 'r'},
-    {"smoothing", required_argument, NULL, 'm'},
-    {"places", no_argument, NULL, 'l'},
-    {"output", required_argument, NULL, 'o'},
-    {"csv", no_argument, NULL, 'c'},
-    {"json", no_argument, NULL, 'j'},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
-};
-
 struct wish {
   struct em_track_options track;
   struct em_millpost_options print; /* format alone */
   const char *out;
-  bool places;
+  bool places, quiet;
 };
 
-static int read_number(const char *name, const char *text, double *value) {
-  char *end;
-  *value = strtod(text, &end);
-  if (end == text || *end != '\0' || !isfinite(*value))
-    return em_millpost_usage("track", "--%s: '%s' is not a number", name, text);
-  if (!(*value > 0.0)) return em_millpost_usage("track", "--%s: %s is not above 0", name, text);
+static int read_plate(void *place, const char *command, const char *option, const char *text) {
+  const int side = em_track_plate_find(text);
+  if (side < 0)
+    return em_millpost_usage(command,
+                             "--%s: unknown side '%s', expected auto, left, right, top or bottom",
+                             option, text);
+  *(enum em_track_plate *)place = (enum em_track_plate)side;
   return -1;
 }
 
-static int store(struct wish *wish, int option, const char *text) {
-  struct em_track_options *o = &wish->track;
-  int side;
-  switch (option) {
-  case 'f':
-    return read_number("fps", text, &o->fps);
-  case 'd':
-    return read_number("diameter", text, &o->diameter);
-  case 's':
-    return read_number("scale", text, &o->scale);
-  case 'r':
-    return read_number("roundness", text, &o->roundness);
-  case 'm':
-    return read_number("smoothing", text, &o->smoothing);
-  case 'p':
-    side = em_track_plate_find(text);
-    if (side < 0)
-      return em_millpost_usage("track",
-                               "--plate: unknown side '%s', expected auto, left, right, top or "
-                               "bottom",
-                               text);
-    o->plate = (enum em_track_plate)side;
-    return -1;
-  case 'o':
-    wish->out = text;
-    return -1;
-  case 'c':
-    wish->print.format = EM_REPORT_CSV;
-    return -1;
-  case 'j':
-    wish->print.format = EM_REPORT_JSON;
-    return -1;
-  default:
-    wish->places = true;
-    return -1;
-  }
-}
+#define AT(field) offsetof(struct wish, field)
+#define OPTION(key, argument, help, target, field) \
+  EM_MILLPOST_OPTION(struct wish, key, argument, help, target, field)
 
-static int read_command_line(struct wish *wish, int argc, char **argv) {
+static const struct em_millpost_option options[] = {
+    OPTION("fps", "F", "frames per second of the camera", POSITIVE, track.fps),
+    OPTION("diameter", "D", "of the ball, in m: gives the scale", POSITIVE, track.diameter),
+    OPTION("scale", "S", "m per pixel, when it is known better", POSITIVE, track.scale),
+    {"plate", "SIDE", "left, right, top, bottom; default: auto, where the ball turns back",
+     EM_MILLPOST_OTHER, AT(track.plate), NULL, 0, read_plate},
+    OPTION("roundness", "X", "how far U²/(4πA) of a contour may be from 1; default: 0.15", POSITIVE,
+           track.roundness),
+    OPTION("smoothing", "S", "of the frames, in pixels; default: 1", POSITIVE, track.smoothing),
+    OPTION("places", NULL, "list centre and radius in each frame", FLAG, places),
+    OPTION("output", "FILE", "-o FILE: speed and restitution of each film, for millpost fit", TEXT,
+           out),
+    {"csv", NULL, "print comma-separated values", EM_MILLPOST_CHOICE, AT(print.format), NULL,
+     EM_REPORT_CSV, NULL},
+    {"json", NULL, "print one JSON object", EM_MILLPOST_CHOICE, AT(print.format), NULL,
+     EM_REPORT_JSON, NULL},
+};
+
+static const struct em_millpost_help help = {
+    .name = "track",
+    .arguments = "FOLDER ... --fps F (--diameter D | --scale S)",
+    .summary = "Measures the normal restitution of a ball that is shot, or falls, at a plate.",
+    .details =
+        "Each FOLDER holds one film as PNG frames in the order of their names, from a camera that\n"
+        "stands still. Uneven light, flicker, stripes and noise are taken out; the plate has to "
+        "be\n"
+        "along a side of the picture.",
+    .examples = "  millpost track shot-17 --fps 5000 --diameter 0.005\n"
+                "  millpost track shots/* --fps 5000 --diameter 0.005 -o shots.txt\n"
+                "  millpost fit shots.txt -o shots.png",
+    .least = 1,
+    .most = -1,
+};
+
+static int read_command_line(struct wish *wish, int argc, char **argv, int *count, char ***folder) {
+  static const struct em_millpost_line line = {options, sizeof options / sizeof *options,
+                                               AT(quiet)};
   *wish = (struct wish){.places = false};
-  opterr = 0;
-  optind = 0; /* glibc: start afresh */
-  for (int c; (c = getopt_long(argc, argv, ":ho:", options, NULL)) != -1;) {
-    const char *asked = optind > 0 ? argv[optind - 1] : "";
-    if (c == 'h') {
-      fputs(help, stdout);
-      return EM_MILLPOST_DONE;
-    }
-    if (c == ':') return em_millpost_usage("track", "'%s' needs a value", asked);
-    if (c == '?') return em_millpost_usage("track", "unknown option '%s'", asked);
-    const int code = store(wish, c, optarg);
-    if (code >= 0) return code;
-  }
-  if (optind == argc) return em_millpost_usage("track", "expected FOLDER, with PNG frames");
+  const int code = em_millpost_line_read(wish, &line, &help, argc, argv, count, folder);
+  if (code >= 0) return code;
   if (!(wish->track.fps > 0.0))
     return em_millpost_usage("track", "expected --fps, the camera's frames per second");
   if (!(wish->track.scale > 0.0) && !(wish->track.diameter > 0.0))
@@ -211,10 +163,10 @@ static struct em_report *report_of(const struct wish *wish, char *const *folder,
 int em_millpost_track(int argc, char **argv) {
   struct wish wish;
   struct em_error err = {.code = EM_OK};
-  const int wrong = read_command_line(&wish, argc, argv);
+  int count;
+  char **folder;
+  const int wrong = read_command_line(&wish, argc, argv, &count, &folder);
   if (wrong >= 0) return wrong;
-  const int count = argc - optind;
-  char **folder = argv + optind;
   struct em_track **track = calloc((size_t)count, sizeof *track);
   enum em_status status =
       track != NULL ? EM_OK : em_error_set(&err, EM_MEMORY, NULL, 0, "no memory for the films");
