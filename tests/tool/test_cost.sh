@@ -3,33 +3,8 @@
 # shellcheck disable=SC2016,SC2317
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-case ${BUILD:-build} in /*) mill=$BUILD/mill ;; *) mill=$PWD/${BUILD:-build}/mill ;; esac
-work=$(mktemp -d) || exit 2
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-
-report() { # verdict text
-  number=$((number + 1))
-  echo "$1 $number - $2"
-  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
-}
-
-# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
-expect() {
-  local code=$1 pattern=$2 text=$3 status verdict=ok
-  shift 3
-  "$@" >"$work/out" 2>"$work/err"
-  status=$?
-  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
-  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
-  report "$verdict" "$text"
-}
-
-check() { # TEXT COMMAND...
-  local text=$1
-  shift
-  if "$@" >>"$work/err" 2>&1; then report ok "$text"; else report "not ok" "$text"; fi
-}
+# shellcheck source=tests/support/tap.sh
+. tests/support/tap.sh
 
 # cell ROW COLUMN: of the CSV's table of accuracy.
 cell() {
@@ -99,5 +74,4 @@ spinless=$("$mill" check "$gas" | sed -n 's/^# balls: .*, \([0-9]*\) bytes each.
 spinning=$("$mill" check "$gas" contact.rule=rough | sed -n 's/^# balls: .*, \([0-9]*\) bytes each.*/\1/p')
 check "spin has its bytes only where it is called for" equal "$((spinning - spinless))" 24
 
-echo "1..$number"
-exit $failed
+finish

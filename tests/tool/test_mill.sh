@@ -2,36 +2,11 @@
 # mill as a user runs it: good input, bad input, signals, full disks.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-case ${BUILD:-build} in /*) mill=$BUILD/mill ;; *) mill=$PWD/${BUILD:-build}/mill ;; esac
-work=$(mktemp -d) || exit 2
+# shellcheck source=tests/support/tap.sh
+. tests/support/tap.sh
 mounted=
 trap '[ -n "$mounted" ] && umount "$work/small"; rm -rf "$work"' EXIT
 gas=geometries/ideal-gas.cfg
-number=0 failed=0
-
-report() { # verdict text
-  number=$((number + 1))
-  echo "$1 $number - $2"
-  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
-}
-
-# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
-expect() {
-  local code=$1 pattern=$2 text=$3 status verdict=ok
-  shift 3
-  "$@" >"$work/out" 2>"$work/err"
-  status=$?
-  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
-  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
-  report "$verdict" "$text"
-}
-
-check() { # TEXT COMMAND...
-  local text=$1
-  shift
-  if "$@" >"$work/out" 2>"$work/err"; then report ok "$text"; else report "not ok" "$text"; fi
-}
-
 small=("$gas" duration=0.002 balls.count=200)
 
 # ---------------------------------------------------------------- usage
@@ -67,7 +42,7 @@ check "and leaves it as it is" cmp "$work/run.h5" "$work/copy.h5"
 expect 2 "another scene" "resuming with another scene" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" --resume
 expect 0 "" "force replaces" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" -q --force
 check "the default name comes from the scene" bash -c "
-  cd '$work' && '$mill' run '$PWD/$gas' duration=0.001 2>err && grep -q 'writing ideal-gas.h5' err &&
+  cd '$work' && '$mill' run '$PWD/$gas' duration=0.001 2>said && grep -q 'writing ideal-gas.h5' said &&
   test -s ideal-gas.h5"
 check "-o none writes nothing" bash -c "
   mkdir '$work/empty' && cd '$work/empty' && '$mill' run '$PWD/$gas' duration=0.001 -o none -q &&
@@ -149,5 +124,4 @@ expect 2 "truncated, damaged" "resuming a truncated file" "$mill" run "${long[@]
 echo "no HDF5" >"$work/text.h5"
 expect 2 "is not an HDF5 file" "resuming a foreign file" "$mill" run "${long[@]}" -o "$work/text.h5" --resume -q
 
-echo "1..$number"
-exit $failed
+finish

@@ -2,34 +2,8 @@
 # millpost frame and film as a user runs them: good input, bad input, an interrupted film.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-case ${BUILD:-build} in /*) bin=$BUILD ;; *) bin=$PWD/${BUILD:-build} ;; esac
-post=$bin/millpost
-work=$(mktemp -d) || exit 2
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-
-report() { # verdict text
-  number=$((number + 1))
-  echo "$1 $number - $2"
-  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
-}
-
-# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
-expect() {
-  local code=$1 pattern=$2 text=$3 status verdict=ok
-  shift 3
-  "$@" >"$work/out" 2>"$work/err"
-  status=$?
-  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
-  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
-  report "$verdict" "$text"
-}
-
-# is TEXT WANT GOT
-is() {
-  echo "$3, expected $2" >"$work/err"
-  if [ "$2" = "$3" ]; then report ok "$1"; else report "not ok" "$1"; fi
-}
+# shellcheck source=tests/support/tap.sh
+. tests/support/tap.sh
 
 picture() { # width,height of a file
   ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$1"
@@ -95,5 +69,4 @@ wait $pid
 is "an interrupted film" 1 $?
 is "leaves nothing" "" "$(find "$work" -name 'long*')"
 
-echo "1..$number"
-exit $failed
+finish

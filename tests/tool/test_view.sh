@@ -3,34 +3,8 @@
 # one (scripts/setup browser).
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-case ${BUILD:-build} in /*) bin=$BUILD ;; *) bin=$PWD/${BUILD:-build} ;; esac
-post=$bin/millpost
-work=$(mktemp -d) || exit 2
-trap 'rm -rf "$work"' EXIT
-number=0 failed=0
-
-report() { # verdict text
-  number=$((number + 1))
-  echo "$1 $number - $2"
-  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err"; }
-}
-
-# expect CODE PATTERN TEXT COMMAND...: exit code and a pattern in what goes to stderr.
-expect() {
-  local code=$1 pattern=$2 text=$3 status verdict=ok
-  shift 3
-  "$@" >"$work/out" 2>"$work/err"
-  status=$?
-  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
-  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
-  report "$verdict" "$text"
-}
-
-# is TEXT WANT GOT
-is() {
-  echo "$3, expected $2" >"$work/err"
-  if [ "$2" = "$3" ]; then report ok "$1"; else report "not ok" "$1"; fi
-}
+# shellcheck source=tests/support/tap.sh
+. tests/support/tap.sh
 
 run=$work/run.h5 still=$work/still.h5 page=$work/run.html
 small=(geometries/simoloyer-2l.cfg duration=0.05 balls.count=800 --quiet)
@@ -65,8 +39,7 @@ if command -v chromium >"$work/out" && command -v chromedriver >"$work/out"; the
   is "and a picture of it" 1 $(($(stat -c %s "$work/page.png") > 50000))
   [ -z "${KEEP:-}" ] || cp "$work/page.png" "$KEEP"
 else
-  number=$((number + 1))
-  echo "ok $number - the page in Chromium # SKIP no chromium and chromedriver: scripts/setup browser"
+  skip "the page in Chromium" "no chromium and chromedriver: scripts/setup browser"
 fi
 
 # ---------------------------------------------------------------- track
@@ -97,5 +70,4 @@ is "a pair for fit" 1 "$(grep -c '^1[45][.][0-9]* 0[.][56][0-9]* ' "$work/pairs.
 for _ in 1 2 3 4 5 6 7; do grep -v '^# speed' "$work/pairs.txt"; done >"$work/many.txt"
 expect 0 "" "that fit reads" "$post" fit <(cat "$work/many.txt" "$work/many.txt")
 
-echo "1..$number"
-exit $failed
+finish
