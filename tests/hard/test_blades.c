@@ -70,5 +70,6 @@ int main(void) {
       cmocka_unit_test(overlapping),
       cmocka_unit_test(grazing),
   };
+  hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -238,5 +238,6 @@ int main(void) {
       cmocka_unit_test(slow_mill),     cmocka_unit_test(gliding),        cmocka_unit_test(squeezed),
       cmocka_unit_test(no_exit),
   };
+  hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

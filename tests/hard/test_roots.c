@@ -180,6 +180,7 @@ int main(void) {
       cmocka_unit_test(touching_apex),    cmocka_unit_test(many_orders),
       cmocka_unit_test(weightless_limit),
   };
+  hard_choose();
   reference_init(&ref);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   reference_clear(&ref);

@@ -170,5 +170,6 @@ int main(void) {
       cmocka_unit_test(stars),
       cmocka_unit_test(head_on),
   };
+  hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,5 +168,6 @@ int main(void) {
       cmocka_unit_test(drum),
       cmocka_unit_test(blade_and_wall),
   };
+  hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

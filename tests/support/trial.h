@@ -61,6 +61,9 @@ struct em_vec dice_direction(uint64_t *seed);
 #endif
 uint64_t hard_tries(double many);
 
+/* Of the tests that follow only those run whose names match the environment's EVENTMILL_CASE. */
+void hard_choose(void);
+
 /* One line of the table of hard cases. */
 void hard_row(const char *name, const char *hard, double tries, const char *checked,
               const char *worst, ...) __attribute__((format(printf, 5, 6)));

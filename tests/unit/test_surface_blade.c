@@ -141,14 +141,14 @@ static struct look look(const struct flight *f, real t) {
 }
 
 /* A time within which a gap of this size cannot close: it changes by no more than the ball's speed
- * plus |ω| times the ball's distance from the blade's centre. Close to the blade, where that
- * crawls, its second derivative is no less than −(|g| + 2 |ω| V + ω² r), here taken fourfold. */
+ * plus |ω| times the ball's distance from the blade's centre. And, the blade being convex, the
+ * second derivative of the gap is no less than −(|g| + 2 |ω| V + ω² r), here taken fourfold. */
 static real certain(const struct flight *f, const struct look *at, real gap) {
   const real omega = fabsl((real)f->blade.omega), fall = em_vec_norm(f->g);
   const real first = gap / (at->speed + omega * at->r + 1e-30L);
   const real speed = at->speed + fall * first;
   const real step = gap / (speed + omega * (at->r + speed * first) + 1e-30L);
-  if (at->gap < 0 || gap > 1e-5L) return step;
+  if (at->gap < 0) return step;
   const real bend = 4 * (fall + 2 * omega * at->speed + omega * omega * at->r);
   const real root = sqrtl(at->rate * at->rate + 2 * bend * gap);
   const real second = at->rate < 0 ? 2 * gap / (root - at->rate) : (root + at->rate) / bend;
