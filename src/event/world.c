@@ -304,15 +304,28 @@ void em_world_state(const struct em_world *w, double time, struct em_balls *ball
   }
 }
 
+/* A sum of many terms, and what rounding has taken from it (Neumaier): a million equal terms do not
+ * add up otherwise. */
+struct total {
+  double sum, rest;
+};
+
+static void add(struct total *t, double x) {
+  const double sum = t->sum + x;
+  t->rest += fabs(t->sum) >= fabs(x) ? (t->sum - sum) + x : (x - sum) + t->sum;
+  t->sum = sum;
+}
+
 struct em_energy em_world_energy(const struct em_world *w, const struct em_balls *balls) {
-  struct em_energy e = {0.0, 0.0, 0.0};
+  struct total kinetic = {0.0, 0.0}, spin = kinetic, potential = kinetic;
   for (size_t i = 0; i < balls->count; i++) {
     const double m = balls->mass[i], r = balls->radius[i];
-    e.kinetic += 0.5 * m * em_vec_norm2(balls->velocity[i]);
-    e.spin += 0.5 * (0.4 * m * r * r) * em_vec_norm2(balls->spin[i]);
-    e.potential -= m * em_vec_dot(w->gravity, balls->position[i]);
+    add(&kinetic, 0.5 * m * em_vec_norm2(balls->velocity[i]));
+    add(&spin, 0.5 * (0.4 * m * r * r) * em_vec_norm2(balls->spin[i]));
+    add(&potential, -m * em_vec_dot(w->gravity, balls->position[i]));
   }
-  return e;
+  return (struct em_energy){kinetic.sum + kinetic.rest, spin.sum + spin.rest,
+                            potential.sum + potential.rest};
 }
 
 double em_world_bin_edge(size_t k) {

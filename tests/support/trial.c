@@ -93,6 +93,9 @@ double trial_energy(struct trial *t) {
     const double fall = em_vec_dot(t->scene->gravity, b->position[i]);
     sum += (long double)b->mass[i] * (0.5 * (em_vec_norm2(b->velocity[i]) + spin) - fall);
   }
+  const struct em_energy e = em_world_energy(t->world, b);
+  const double whole = e.kinetic + e.spin + fabs(e.potential);
+  assert_true(fabsl(sum - e.kinetic - e.spin - e.potential) <= 1e-15L * whole);
   return (double)sum;
 }
 
