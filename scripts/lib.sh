@@ -36,6 +36,13 @@ is_finished() {
     awk -v want="$2" '{ done = $1 >= want * (1 - 1e-9) } END { exit !done }'
 }
 
+# The median speed of a run's balls over time: lines of time,speed.
+median_over_time() {
+  for what in time value; do
+    h5dump -d "/observables/median_speed/$what" -y -w 1 "$1" | sed -n 's/^ *\(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p'
+  done | awk '{ x[NR] = $1 } END { for (k = 1; k <= NR / 2; k++) print x[k] "," x[k + NR / 2] }'
+}
+
 # A time in seconds, for people.
 clock() { awk -v t="$1" 'BEGIN { t = int(t + 0.5);
   if (t >= 3600) printf "%d:%02d:%02d", t / 3600, t % 3600 / 60, t % 60
@@ -73,6 +80,12 @@ END
 
 # plot_label AXIS TEXT
 plot_label() { echo "set $1label $(quoted "$2") noenhanced textcolor rgb '#2b2f36'"; }
+
+# The colours of maps.
+plot_palette() {
+  echo 'set palette defined (0 "#4c0f78", 1 "#4844a8", 2 "#1772b8", 3 "#0095aa", 4 "#00b29f",' \
+    '5 "#41d084", 6 "#a5e258", 7 "#f8ea21")'
+}
 
 # plot_end SCRIPT OUT: draws it; the picture appears complete or not at all.
 plot_end() {

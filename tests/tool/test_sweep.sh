@@ -48,7 +48,7 @@ expect 2 "error" "a key that the scene does not know" "$sweep" "$mill" rotor.rmp
 expect 2 "seeds come from the points" "a seed as an axis" "$sweep" "$mill" seed=1,2 -o a
 expect 2 "unknown option" "an unknown option" "$sweep" "$mill" --fast -o a
 check "bad usage leaves nothing" test ! -e a
-for script in sweep collect run-point plot-map plot-lines calibrate; do
+for script in sweep collect run-point plot-map plot-lines calibrate reproduce reproduce-report; do
   check "$script --help" bash -c "'$top/scripts/$script' --help | grep -q '^Usage\|Usage:'"
 done
 
@@ -60,7 +60,7 @@ check "and the time" grep -q "6 of 6 runs to do.*of computing" plan
 check "it leaves nothing" test ! -e a
 
 # ---------------------------------------------------------------- a grid
-expect 0 "12 of 12" "a sweep, which tells its progress" "$sweep" "${few[@]}" --repeat 2 -o whole
+expect 0 "12 of 12" "a sweep, which tells its progress" "$sweep" "${few[@]}" --repeat 2 -j2 -o whole
 report "$([ "$(rows whole/table.csv)" -eq 13 ] && [ "$(rows whole/mean.csv)" -eq 7 ] &&
   [ "$(rows whole/provenance.csv)" -eq 13 ] && echo ok || echo not ok)" "tables with all runs and points"
 report "$([ "$(column whole/table.csv seed | sort -u | wc -l)" -eq 12 ] && echo ok || echo not ok)" \
@@ -157,9 +157,11 @@ done
 "$collect" whole >/dev/null 2>&1
 if command -v gnuplot >/dev/null; then
   check "a map" "$top/scripts/plot-map" whole median_vn -o map.png
+  check "with a surface" "$top/scripts/plot-map" whole median_vn --surface -o surface.png
+  expect 2 "on a grid" "no surface of scattered points" "$top/scripts/plot-map" cube power --surface -o x.png
   check "curves" "$top/scripts/plot-lines" whole power --by balls.count -o lines.svg
   check "a map of scattered points" "$top/scripts/plot-map" cube collision_rate -o cube.gp
-  check "are there" test -s map.png -a -s lines.svg -a -s cube.gp
+  check "are there" test -s map.png -a -s surface.png -a -s lines.svg -a -s cube.gp
 fi
 expect 2 "no column" "a figure that is not there" "$top/scripts/plot-lines" whole beauty -o x.png
 exit $failed
