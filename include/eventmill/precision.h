@@ -47,6 +47,11 @@ double em_precision_time(const struct em_precision *p, size_t blocks); /* s, of 
 struct em_interval em_precision_figure(const struct em_precision *p, size_t blocks,
                                        enum em_precision_kind kind, double above, double level);
 
+/* By how much a figure of b differs from that of a, relative to a, of two runs with the same blocks
+ * of time: what both have in common, as a drift, widens no interval. NAN where a's is 0. */
+struct em_interval em_precision_shift(const struct em_precision *a, const struct em_precision *b,
+                                      enum em_precision_kind kind, double above, double level);
+
 /* Reads targets, separated by commas; at most EM_PRECISION_TARGETS. Errors: EM_INPUT. */
 enum em_status em_precision_read(struct em_precision_target *target, size_t *count,
                                  const char *text, struct em_error *err);

@@ -70,6 +70,11 @@ enum em_status em_recorder_run(const struct em_scene *scene,
                                const struct em_recorder_options *options,
                                struct em_summary *summary, bool *created, struct em_error *err);
 
+/* The scene's balls at its start, placed by em_start_make; of a scene that starts from a run, after
+ * that run's last frame. em_start_free. Errors: those of em_run_file_last and em_start_make. */
+enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
+                                 struct em_error *err);
+
 /* The name of a run file that a scene gets by default: the scene's file name without folder and
  * ".cfg", and ".h5"; `size` bytes at most. */
 void em_recorder_default_path(const struct em_scene *scene, char *path, size_t size);

@@ -297,14 +297,16 @@ static void clear(struct recorder *r) {
   free(r->block);
 }
 
-/* The last frame of the run file from which a species starts, or NULL. */
-static enum em_status previous_run(const struct em_scene *scene, struct em_balls **balls,
-                                   struct em_error *err) {
-  *balls = NULL;
-  for (size_t i = 0; i < scene->species_count; i++)
+enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
+                                 struct em_error *err) {
+  struct em_balls *previous = NULL;
+  enum em_status status = EM_OK;
+  for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
     if (scene->species[i].start == EM_START_RUN)
-      return em_run_file_last(scene->species[i].from, balls, err);
-  return EM_OK;
+      status = em_run_file_last(scene->species[i].from, &previous, err);
+  if (!status) status = em_start_make(start, scene, previous, err);
+  em_start_free(previous);
+  return status;
 }
 
 static void remember_start(struct recorder *r) {
@@ -326,14 +328,12 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
 }
 
 static enum em_status start_new(struct recorder *r, struct em_error *err) {
-  struct em_balls *previous = NULL, *start = NULL;
-  enum em_status status = previous_run(r->scene, &previous, err);
-  if (!status) status = em_start_make(&start, r->scene, previous, err);
+  struct em_balls *start = NULL;
+  enum em_status status = em_recorder_start(&start, r->scene, err);
   if (!status) status = em_world_new(&r->world, r->scene, start, err);
   if (!status) remember_start(r);
   em_provenance_begin(&r->session, r->options->command, 0.0);
   if (!status && r->options->path) status = create_file(r, start, err);
-  em_start_free(previous);
   em_start_free(start);
   return status;
 }

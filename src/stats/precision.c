@@ -12,8 +12,10 @@ enum { PER_OCTAVE = 64, LOWEST = -30, OCTAVES = 40, BINS = PER_OCTAVE * OCTAVES 
 struct em_precision {
   size_t count, each; /* blocks; how many of those that came are joined in one */
   size_t open;        /* of these, how many the last one has */
-  double time[EM_PRECISION_BLOCKS], speed[EM_PRECISION_BLOCKS], power[EM_PRECISION_BLOCKS];
-  struct em_histogram *vn[EM_PRECISION_BLOCKS];
+  /* One more than are kept: a block that is to be joined comes after the last. */
+  double time[EM_PRECISION_BLOCKS + 1], speed[EM_PRECISION_BLOCKS + 1];
+  double power[EM_PRECISION_BLOCKS + 1];
+  struct em_histogram *vn[EM_PRECISION_BLOCKS + 1];
 };
 
 #define KEY(code, key, words, unit)   key,
@@ -135,6 +137,40 @@ struct em_interval em_precision_figure(const struct em_precision *p, size_t bloc
   if (em_interval_figure(&out, blocks, p->vn, p->time, median, NULL, level))
     out = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
   return out;
+}
+
+/* A figure of one block. */
+static double of_block(const struct em_precision *p, size_t k, enum em_precision_kind kind,
+                       double limit) {
+  switch (kind) {
+  case EM_PRECISION_SPEED:
+    return p->speed[k];
+  case EM_PRECISION_POWER:
+    return p->power[k];
+  case EM_PRECISION_RATE:
+    return above(p->vn[k], limit) / p->time[k];
+  case EM_PRECISION_VN:
+  case EM_PRECISION_COUNT:
+    break;
+  }
+  return em_histogram_quantile(p->vn[k], 0.5);
+}
+
+struct em_interval em_precision_shift(const struct em_precision *a, const struct em_precision *b,
+                                      enum em_precision_kind kind, double limit, double level) {
+  const size_t n = a->count < b->count ? a->count : b->count;
+  const double from = em_precision_figure(a, n, kind, limit, level).value;
+  const double to = em_precision_figure(b, n, kind, limit, level).value;
+  double off[EM_PRECISION_BLOCKS];
+  size_t used = 0;
+  for (size_t k = 0; k < n; k++) {
+    const double d = of_block(b, k, kind, limit) - of_block(a, k, kind, limit);
+    if (isfinite(d)) off[used++] = d / fabs(from); /* a block without contacts has no median */
+  }
+  struct em_interval shift = em_interval_series(off, used, level);
+  shift.value = (to - from) / fabs(from);
+  if (isfinite(shift.value)) return shift;
+  return (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
 }
 
 /* ---------------------------------------------------------------- what is asked for */

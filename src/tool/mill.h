@@ -41,6 +41,13 @@ struct em_mill_help {
 int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
                     char **argv);
 
+/* What is left of the command line: SCENE [KEY=VALUE ...]. Returns -1, or the exit code. */
+int em_mill_words(struct em_mill_options *options, const struct em_mill_help *help, int count,
+                  char **words);
+
+/* Prints "what 'word'" (word may be NULL) and where to find help. Returns the exit code. */
+int em_mill_usage(const struct em_mill_help *help, const char *what, const char *word);
+
 /* Reads the scene; prints its errors. Returns -1, or the exit code. */
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
 

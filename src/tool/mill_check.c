@@ -30,14 +30,9 @@ static void print_effects(const struct em_scene *scene) {
 /* Makes the balls and the world: what cannot be started is not valid. */
 static enum em_status make_world(const struct em_scene *scene, struct em_world **world,
                                  struct em_error *err) {
-  struct em_balls *previous = NULL, *balls = NULL;
-  enum em_status status = EM_OK;
-  for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
-    if (scene->species[i].start == EM_START_RUN)
-      status = em_run_file_last(scene->species[i].from, &previous, err);
-  if (!status) status = em_start_make(&balls, scene, previous, err);
+  struct em_balls *balls = NULL;
+  enum em_status status = em_recorder_start(&balls, scene, err);
   if (!status) status = em_world_new(world, scene, balls, err);
-  em_start_free(previous);
   em_start_free(balls);
   return status;
 }

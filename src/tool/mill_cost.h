@@ -15,9 +15,9 @@
 enum em_cost_group { EM_COST_ACCURACY, EM_COST_EFFECT, EM_COST_RECORDING };
 
 /* Changes that no override can make. */
-enum em_cost_change { EM_COST_AS_IS, EM_COST_NO_ROTOR, EM_COST_MIXED };
+enum em_cost_change { EM_COST_AS_IS, EM_COST_NO_ROTOR, EM_COST_MIXED, EM_COST_UNMIXED };
 
-enum { EM_COST_VARIANTS = 48, EM_COST_WORDS = 3 };
+enum { EM_COST_VARIANTS = 48, EM_COST_WORDS = 3, EM_COST_ROUNDS = 64 };
 
 struct em_cost_variant {
   enum em_cost_group group;
@@ -37,12 +37,12 @@ struct em_cost_result {
   struct em_cost_variant variant;
   bool failed;
   char why[160];
-  double time, time_low, time_high; /* computing time per simulated time, relative to the scene as
-                                       it is: median and quartiles over the rounds */
-  double collision;                 /* the same per collision */
+  double time, time_low, time_high; /* computing time, relative to the scene as it is: from the
+                                       least times of all stretches; least and most of the turns */
+  double collisions;                /* their number, relative to the scene as it is */
+  double collision;                 /* computing time per collision, relative */
   double energy;                    /* relative energy error at the end */
-  struct em_interval figure[EM_PRECISION_COUNT];
-  struct em_interval plain[EM_PRECISION_COUNT]; /* of the scene as it is, over the same time */
+  struct em_interval shift[EM_PRECISION_COUNT]; /* of the key figures, relative */
   struct em_cost_flights flights;
 };
 
@@ -53,7 +53,9 @@ struct em_cost {
   struct em_scene *scene;       /* as it is */
   struct em_snapshot *snapshot; /* the steady state */
   double steady, time;          /* s: begin; simulated time of each run */
-  int rounds;
+  double long_time;             /* s: of the scene as it is, for the statistics */
+  int rounds;                   /* turns */
+  const char *only;             /* measure variants with this in their names; NULL: all */
   size_t flights;
   double cpu_per_time, collisions_per_time; /* 1; 1/s: of the scene as it is */
   double energy;
@@ -84,13 +86,24 @@ enum em_status em_mill_cost_run_scene(const struct em_cost *cost,
                                       struct em_error *err);
 void em_mill_cost_run_free(struct em_scene *scene, size_t hidden);
 
+/* A variant that records, by whole runs. Errors: those of em_recorder_run. */
+enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_result *result,
+                                   struct em_error *err);
+
 /* Contact times of all variants of accuracy, over flights of the scene. */
 enum em_status em_mill_cost_flights(struct em_cost *cost, struct em_error *err);
 
-/* Tables (text or JSON to stdout, CSV to a file) and pictures PREFIX-accuracy.png,
- * PREFIX-effects.png, PREFIX-statistics.png. */
+/* Tables: text or JSON to stdout, CSV to a file. Errors: EM_FILE. */
 enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const char *csv,
-                                   const char *prefix, struct em_error *err);
+                                   struct em_error *err);
+
+/* Pictures PREFIX-accuracy.png, PREFIX-effects.png, PREFIX-statistics.png. Errors: those of
+ * em_plot_draw. */
+enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
+                                 struct em_error *err);
+
+/* Half width of an interval, relative to its value. */
+double em_mill_cost_width(const struct em_interval *figure);
 
 void em_mill_cost_tell(const struct em_cost *cost, double done, const char *what);
 

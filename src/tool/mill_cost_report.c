@@ -1,9 +1,8 @@
-/* Tables and pictures of mill cost. */
+/* Tables of mill cost. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "eventmill/plot.h"
 #include "tool/mill_cost.h"
 #include "tool/report.h"
 
@@ -11,26 +10,15 @@
 
 static const char *const figure_key[] = {"median_speed", "median_vn", "rate_above_3", "power"};
 
-/* By how much a figure is shifted, relative to the scene as it is over the same time. */
-static struct em_interval shift(const struct em_cost_result *r, int k) {
-  const struct em_interval *a = &r->plain[k], *b = &r->figure[k];
-  struct em_interval s = {NAN, NAN, NAN, 0.0, 1.0};
-  if (r->failed || !(fabs(a->value) > 0.0)) return s;
-  s.value = (b->value - a->value) / fabs(a->value);
-  s.half = hypot(a->half, b->half) / fabs(a->value);
-  return s;
-}
-
 static void shift_columns(struct em_report *report) {
   for (int k = 0; k < EM_PRECISION_COUNT; k++)
     em_report_column(report, figure_key[k], em_precision_words((enum em_precision_kind)k), "");
 }
 
 static void shift_cells(struct em_report *report, const struct em_cost_result *r) {
-  for (int k = 0; k < EM_PRECISION_COUNT; k++) {
-    const struct em_interval s = shift(r, k);
-    em_report_percent_interval(report, &s);
-  }
+  static const struct em_interval unknown = {NAN, NAN, NAN, 0.0, 1.0};
+  for (int k = 0; k < EM_PRECISION_COUNT; k++)
+    em_report_percent_interval(report, r->failed ? &unknown : &r->shift[k]);
 }
 
 static void time_columns(struct em_report *report) {
@@ -104,15 +92,9 @@ static void effects_table(struct em_report *report, const struct em_cost *cost) 
   }
 }
 
-static struct em_interval relative(const struct em_interval *a) {
-  struct em_interval r = *a;
-  r.half = a->half / fabs(a->value);
-  return r;
-}
-
 /* Simulated time (s) for a relative half width: it falls with the root of time. */
 static double time_for(const struct em_cost *cost, int k, double wanted) {
-  const double r = relative(&cost->figure[k]).half / wanted;
+  const double r = em_mill_cost_width(&cost->figure[k]) / wanted;
   return em_precision_time(cost->precision, em_precision_blocks(cost->precision)) * r * r;
 }
 
@@ -130,7 +112,7 @@ static void statistics_table(struct em_report *report, const struct em_cost *cos
     for (int k = 0; k < EM_PRECISION_COUNT; k++) {
       const struct em_interval f =
           em_precision_figure(cost->precision, n, (enum em_precision_kind)k, 3.0, 0.95);
-      em_report_percent(report, relative(&f).half);
+      em_report_percent(report, em_mill_cost_width(&f));
     }
   }
   em_report_begin(report, "one_percent", "one per cent takes");
@@ -159,8 +141,16 @@ static void notes(struct em_report *report, const struct em_cost *cost) {
                    "contact times: against 113 bits, over %llu flights of this scene; 0 seen means "
                    "less than %.3g in 1e9 (95 %%).",
                    (unsigned long long)flights, 3e9 / (double)flights);
-  em_report_note(report, "d: diameter of a ball. time: median of %d turns, and their quartiles.",
+  em_report_note(report,
+                 "d: diameter of a ball. time: from the least times in %d turns; from, to: of the "
+                 "turns one by one.",
                  cost->rounds);
+  const double time = time_for(cost, EM_PRECISION_RATE, 0.01);
+  if (isfinite(time))
+    em_report_note(report,
+                   "1 %% on the rate above 3 m/s takes %.2g s simulated, %.2g s of computing.",
+                   time, time * cost->cpu_per_time);
+  em_report_note(report, "level fast is tolerance 1e-6 d; level reference is polish: 113 bits.");
   for (size_t k = 0; k < cost->count; k++)
     if (cost->result[k].failed)
       em_report_note(report, "%s: %s", cost->result[k].variant.name, cost->result[k].why);
@@ -170,138 +160,10 @@ static void facts(struct em_report *report, const struct em_cost *cost) {
   em_report_fact_text(report, "scene", "scene", "%s", cost->path);
   em_report_fact(report, "steady", "steady from", cost->steady, "s");
   em_report_fact(report, "time", "each run", cost->time, "s");
+  em_report_fact(report, "long_time", "the scene as it is", cost->long_time, "s");
   em_report_fact(report, "cpu_per_time", "computing time", cost->cpu_per_time, "s per simulated s");
   em_report_fact(report, "collisions_per_time", "collisions", cost->collisions_per_time, "/s");
   em_report_fact(report, "energy", "energy error", cost->energy, "relative");
-}
-
-/* ---------------------------------------------------------------- pictures */
-
-static enum em_status draw(const struct em_cost *cost, struct em_plot *plot, const char *prefix,
-                           const char *what, struct em_error *err) {
-  char path[EM_SCENE_PATH + 32], subtitle[256];
-  snprintf(path, sizeof path, "%s-%s.png", prefix, what);
-  em_plot_subtitle(cost->scene, subtitle, sizeof subtitle);
-  plot->subtitle = subtitle;
-  return em_plot_draw(plot, path, err);
-}
-
-/* Variants whose names begin with the same word are a family: one colour. */
-static bool is_family(const char *a, const char *b) {
-  const size_t n = strcspn(a, " ");
-  return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
-}
-
-/* A point per variant; errors of 0 lie at the lower edge. */
-static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
-                                    struct em_error *err) {
-  struct em_plot_series series[EM_COST_VARIANTS];
-  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
-  char names[EM_COST_VARIANTS][16];
-  const char *before = "";
-  size_t n = 0, families = 0;
-  for (size_t k = 0; k < cost->count; k++) {
-    const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group != EM_COST_ACCURACY || r->failed || !r->flights.contacts) continue;
-    if (!isfinite(r->flights.rms)) continue;
-    x[n] = r->time;
-    y[n] = fmax(r->flights.rms, 1e-22);
-    if (!is_family(before, r->variant.name)) {
-      const char *name = r->variant.name;
-      snprintf(names[families], sizeof names[0], "%.*s", (int)strcspn(name, " :"), name);
-      if (strcmp(names[families], "no") == 0)
-        snprintf(names[families], sizeof names[0], "shortcut");
-      series[families] = (struct em_plot_series){
-          .name = names[families], .style = EM_PLOT_POINTS, .x = &x[n], .y = &y[n]};
-      families++;
-      before = name;
-    }
-    series[families - 1].count++;
-    n++;
-  }
-  if (n == 0) return EM_OK;
-  struct em_plot plot = {.title = "Accuracy against time",
-                         .x_label = "computing time, the scene as it is = 1",
-                         .y_label = "error of contact times, rms  [s]",
-                         .log_x = true,
-                         .log_y = true,
-                         .series_count = families,
-                         .series = series};
-  return draw(cost, &plot, prefix, "accuracy", err);
-}
-
-/* Bars with numbers, whose names stand in the legend. */
-static enum em_status draw_effects(const struct em_cost *cost, const char *prefix,
-                                   struct em_error *err) {
-  struct em_plot_series series[EM_COST_VARIANTS];
-  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
-  char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
-  const char *names[EM_COST_VARIANTS + 8];
-  double low = 0.0, high = 0.0;
-  size_t n = 0;
-  for (size_t k = 0; k < cost->count; k++) {
-    const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group == EM_COST_ACCURACY || r->failed || !isfinite(r->time)) continue;
-    x[n] = (double)n;
-    y[n] = 100.0 * (r->time - 1.0);
-    low = fmin(low, y[n]);
-    high = fmax(high, y[n]);
-    snprintf(number[n], sizeof number[n], "%zu", n + 1);
-    snprintf(label[n], sizeof label[n], "%zu  %s", n + 1, r->variant.name);
-    series[n] = (struct em_plot_series){
-        .name = label[n], .style = EM_PLOT_BARS, .count = 1, .x = &x[n], .y = &y[n]};
-    names[n] = number[n];
-    n++;
-  }
-  struct em_plot plot = {.title = "Effects against time",
-                         .y_label = "computing time against the scene as it is  [%]",
-                         .y_low = 1.1 * low - 1.0, /* room for the legend above the bars */
-                         .y_high = high + 1.2 * (high - low) + 5.0,
-                         .series_count = n,
-                         .series = series,
-                         .category = names,
-                         .category_count = n,
-                         .width = 1400};
-  return n ? draw(cost, &plot, prefix, "effects", err) : EM_OK;
-}
-
-static enum em_status draw_statistics(const struct em_cost *cost, const char *prefix,
-                                      struct em_error *err) {
-  enum { POINTS = 24 };
-  struct em_plot_series series[EM_PRECISION_COUNT];
-  double x[POINTS], y[EM_PRECISION_COUNT][POINTS];
-  const size_t all = em_precision_blocks(cost->precision);
-  size_t n = 0, used = 0, before = 0;
-  for (int k = 0; k < POINTS; k++) {
-    const size_t blocks =
-        (size_t)llround((double)all * pow(16.0, ((double)k - (POINTS - 1)) / (POINTS - 1)));
-    if (blocks < 4 || blocks == before) continue;
-    before = blocks;
-    x[n] = em_precision_time(cost->precision, blocks);
-    for (int j = 0; j < EM_PRECISION_COUNT; j++) {
-      const struct em_interval f =
-          em_precision_figure(cost->precision, blocks, (enum em_precision_kind)j, 3.0, 0.95);
-      y[j][n] = 100.0 * relative(&f).half;
-      if (!(y[j][n] > 0.0) || !isfinite(y[j][n])) y[j][n] = NAN;
-    }
-    n++;
-  }
-  for (int j = 0; j < EM_PRECISION_COUNT; j++) {
-    if (!(cost->figure[j].half > 0.0) || cost->figure[j].value == 0.0) continue;
-    series[used++] = (struct em_plot_series){.name = em_precision_words((enum em_precision_kind)j),
-                                             .style = EM_PLOT_LINE,
-                                             .count = n,
-                                             .x = x,
-                                             .y = y[j]};
-  }
-  struct em_plot plot = {.title = "Statistics against time",
-                         .x_label = "simulated time  [s]",
-                         .y_label = "half width of the confidence interval  [%]",
-                         .log_x = true,
-                         .log_y = true,
-                         .series_count = used,
-                         .series = series};
-  return used && n > 1 ? draw(cost, &plot, prefix, "statistics", err) : EM_OK;
 }
 
 /* ---------------------------------------------------------------- all of it */
@@ -316,7 +178,7 @@ static enum em_status write_csv(const struct em_report *report, const char *path
 }
 
 enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const char *csv,
-                                   const char *prefix, struct em_error *err) {
+                                   struct em_error *err) {
   struct em_report *report = em_report_new("cost");
   facts(report, cost);
   accuracy_table(report, cost);
@@ -326,9 +188,6 @@ enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const 
   enum em_status status =
       em_report_print(report, json ? EM_REPORT_JSON : EM_REPORT_TEXT, stdout, err);
   if (!status && csv) status = write_csv(report, csv, err);
-  if (!status && prefix) status = draw_accuracy(cost, prefix, err);
-  if (!status && prefix) status = draw_effects(cost, prefix, err);
-  if (!status && prefix) status = draw_statistics(cost, prefix, err);
   em_report_free(report);
   return status;
 }

@@ -12,7 +12,7 @@ static void add(struct em_cost *cost, enum em_cost_group group, enum em_cost_cha
 
 static void add(struct em_cost *cost, enum em_cost_group group, enum em_cost_change change,
                 const char *name, const char *format, ...) {
-  if (cost->count == EM_COST_VARIANTS) return;
+  if (cost->count == EM_COST_VARIANTS || (cost->only && !strstr(name, cost->only))) return;
   struct em_cost_result *r = &cost->result[cost->count++];
   *r = (struct em_cost_result){.variant = {.group = group, .change = change}};
   snprintf(r->variant.name, sizeof r->variant.name, "%s", name);
@@ -55,11 +55,9 @@ static void add_accuracy(struct em_cost *cost, unsigned effects) {
   }
   if (quartic || rotor) {
     accuracy(cost, "tolerance 1e-9 d", "engine.tolerance=1e-9");
-    accuracy(cost, "tolerance 1e-6 d", "engine.tolerance=1e-6");
     accuracy(cost, "tolerance 1e-3 d", "engine.tolerance=1e-3");
   }
   accuracy(cost, "polish: 64 bits", "engine.polish=extended");
-  accuracy(cost, "polish: 113 bits", "engine.polish=quad");
   if (drum && c->facets == 0 && c->rpm == 0.0 && c->ramp_half == 0.0) {
     accuracy(cost, "drum of 16 facets", "chamber.facets=16");
     accuracy(cost, "drum of 64 facets", "chamber.facets=64");
@@ -100,7 +98,9 @@ static void add_effects(struct em_cost *cost, unsigned effects) {
     effect(cost, s->remedy.jam_after > 0 ? "without jam remedy" : "with jam remedy",
            s->remedy.jam_after > 0 ? "remedy.jam_after=0" : "remedy.jam_after=5");
   }
-  if (!(effects & EM_EFFECT_MIXED))
+  if (effects & EM_EFFECT_MIXED)
+    add(cost, EM_COST_EFFECT, EM_COST_UNMIXED, "balls of one kind", "%s", "");
+  else
     add(cost, EM_COST_EFFECT, EM_COST_MIXED, "balls of mixed kinds", "%s", "");
   effect(cost, effects & EM_EFFECT_TC ? "without TC" : "with TC (1 µs)",
          effects & EM_EFFECT_TC ? "remedy.tc=0.0" : "remedy.tc=1e-6");

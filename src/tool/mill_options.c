@@ -13,7 +13,7 @@ static const struct option known[] = {
     {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0},
 };
 
-static int usage(const struct em_mill_help *help, const char *what, const char *word) {
+int em_mill_usage(const struct em_mill_help *help, const char *what, const char *word) {
   fprintf(stderr, "mill %s: error: %s", help->name, what);
   if (word) fprintf(stderr, " '%s'", word);
   fprintf(stderr, "\nTry 'mill %s --help'.\n", help->name);
@@ -42,11 +42,12 @@ static void set(struct em_mill_options *options, int letter) {
   }
 }
 
-static int take_words(struct em_mill_options *options, const struct em_mill_help *help, int count,
-                      char **words) {
-  if (count == 0) return usage(help, "no scene given, expected SCENE [KEY=VALUE ...]", NULL);
+int em_mill_words(struct em_mill_options *options, const struct em_mill_help *help, int count,
+                  char **words) {
+  if (count == 0)
+    return em_mill_usage(help, "no scene given, expected SCENE [KEY=VALUE ...]", NULL);
   options->overrides = calloc((size_t)count, sizeof *options->overrides);
-  if (!options->overrides) return usage(help, "out of memory", NULL);
+  if (!options->overrides) return em_mill_usage(help, "out of memory", NULL);
   for (int i = 0; i < count; i++) {
     const char *equal = strchr(words[i], '=');
     if (equal && equal != words[i] && options->scene)
@@ -54,7 +55,7 @@ static int take_words(struct em_mill_options *options, const struct em_mill_help
     else if (!options->scene)
       options->scene = words[i];
     else
-      return usage(help, "expected KEY=VALUE, found", words[i]);
+      return em_mill_usage(help, "expected KEY=VALUE, found", words[i]);
   }
   return -1;
 }
@@ -71,12 +72,12 @@ int em_mill_options(struct em_mill_options *options, const struct em_mill_help *
       fputs(help->text, stdout);
       return EM_MILL_DONE;
     }
-    if (letter == ':') return usage(help, "a value is missing after", argv[optind - 1]);
+    if (letter == ':') return em_mill_usage(help, "a value is missing after", argv[optind - 1]);
     if (letter == '?' || !strchr(help->takes, letter))
-      return usage(help, "unknown option", argv[optind - 1]);
+      return em_mill_usage(help, "unknown option", argv[optind - 1]);
     set(options, letter);
   }
-  return take_words(options, help, argc - optind, argv + optind);
+  return em_mill_words(options, help, argc - optind, argv + optind);
 }
 
 void em_mill_complain(const struct em_error *err) {

@@ -37,6 +37,11 @@ for picture in accuracy effects statistics; do
 done
 above() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a + 0 > b + 0) }'; }
 equal() { [ "$1" = "$2" ]; }
+check "what a digit costs, in a sentence" \
+  grep -q '1 % on the rate above 3 m/s takes [0-9.e+]* s simulated, [0-9.e+]* s of computing' "$work/out"
+check "the scene as it is has no shift" equal "$(cell 'level standard' power)" 0
+check "nor an interval" equal "$(cell 'level standard' power_ci95)" 0
+check "113 bits cost time" above "$(cell 'level reference' time)" 2
 check "standard misses nothing" equal "$(cell 'level standard' missed)" 0
 check "standard invents nothing" equal "$(cell 'level standard' invented)" 0
 check "reference has no error" equal "$(cell 'level reference' error_most)" 0
@@ -50,6 +55,23 @@ check "Ferrari's form loses digits" \
   >"$work/json" 2>"$work/err"
 check "JSON" python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); d["accuracy"][0]["time"]' \
   "$work/json"
+
+expect 0 "" "a few of the variants" "$mill" cost "$gas" balls.count=200 --steady 0.01 --time 0.01 \
+  --only quartic --rounds 1 --json -q
+cp "$work/out" "$work/only"
+check "only these" python3 -c 'import json, sys
+d = json.load(open(sys.argv[1]))
+assert not d["effects"] and all("quartic" in r["variant"] for r in d["accuracy"])' "$work/only"
+
+# Two kinds of balls: left out, all are of one.
+cat >"$work/two.cfg" <<'END'
+chamber = { shape = "drum"; diameter = 0.146; length = 0.135; };
+balls = ( { name = "a"; count = 100; diameter = 0.005; speed = 1.0; },
+          { name = "b"; count = 50; diameter = 0.01; speed = 1.0; } );
+END
+expect 0 "" "balls of two kinds" "$mill" cost "$work/two.cfg" --steady 0.01 --time 0.02 --rounds 1 -q \
+  --only kind
+check "left out" grep -q "balls of one kind  *[0-9.]" "$work/out"
 
 expect 0 "" "a box with balls from a table" "$mill" cost geometries/newtons-cradle.cfg --time 0.2 \
   --rounds 2 -q

@@ -1,0 +1,142 @@
+/* Pictures of mill cost. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "eventmill/plot.h"
+#include "tool/mill_cost.h"
+
+static enum em_status draw(const struct em_cost *cost, struct em_plot *plot, const char *prefix,
+                           const char *what, struct em_error *err) {
+  char path[EM_SCENE_PATH + 32], subtitle[256];
+  snprintf(path, sizeof path, "%s-%s.png", prefix, what);
+  em_plot_subtitle(cost->scene, subtitle, sizeof subtitle);
+  plot->subtitle = subtitle;
+  return em_plot_draw(plot, path, err);
+}
+
+/* Variants whose names begin with the same word are a family: one colour. */
+static bool is_family(const char *a, const char *b) {
+  const size_t n = strcspn(a, " ");
+  return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
+}
+
+/* A point per variant; errors of 0 lie at the lower edge. */
+static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
+                                    struct em_error *err) {
+  struct em_plot_series series[EM_COST_VARIANTS];
+  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
+  char names[EM_COST_VARIANTS][16];
+  const char *before = "";
+  size_t n = 0, families = 0;
+  for (size_t k = 0; k < cost->count; k++) {
+    const struct em_cost_result *r = &cost->result[k];
+    if (r->variant.group != EM_COST_ACCURACY || r->failed || !r->flights.contacts) continue;
+    if (!isfinite(r->flights.rms)) continue;
+    x[n] = r->time;
+    y[n] = fmax(r->flights.rms, 1e-22);
+    if (!is_family(before, r->variant.name)) {
+      const char *name = r->variant.name;
+      snprintf(names[families], sizeof names[0], "%.*s", (int)strcspn(name, " :"), name);
+      if (strcmp(names[families], "no") == 0)
+        snprintf(names[families], sizeof names[0], "shortcut");
+      series[families] = (struct em_plot_series){
+          .name = names[families], .style = EM_PLOT_POINTS, .x = &x[n], .y = &y[n]};
+      families++;
+      before = name;
+    }
+    series[families - 1].count++;
+    n++;
+  }
+  if (n == 0) return EM_OK;
+  struct em_plot plot = {.title = "Accuracy against time",
+                         .x_label = "computing time, the scene as it is = 1",
+                         .y_label = "error of contact times, rms  [s]",
+                         .log_x = true,
+                         .log_y = true,
+                         .series_count = families,
+                         .series = series};
+  return draw(cost, &plot, prefix, "accuracy", err);
+}
+
+/* Bars with numbers, whose names stand in the legend. */
+static enum em_status draw_effects(const struct em_cost *cost, const char *prefix,
+                                   struct em_error *err) {
+  struct em_plot_series series[EM_COST_VARIANTS];
+  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
+  char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
+  const char *names[EM_COST_VARIANTS + 8];
+  double low = 0.0, high = 0.0;
+  size_t n = 0;
+  for (size_t k = 0; k < cost->count; k++) {
+    const struct em_cost_result *r = &cost->result[k];
+    if (r->variant.group == EM_COST_ACCURACY || r->failed || !isfinite(r->time)) continue;
+    x[n] = (double)n;
+    y[n] = 100.0 * (r->time - 1.0);
+    low = fmin(low, y[n]);
+    high = fmax(high, y[n]);
+    snprintf(number[n], sizeof number[n], "%zu", n + 1);
+    snprintf(label[n], sizeof label[n], "%zu  %s", n + 1, r->variant.name);
+    series[n] = (struct em_plot_series){
+        .name = label[n], .style = EM_PLOT_BARS, .count = 1, .x = &x[n], .y = &y[n]};
+    names[n] = number[n];
+    n++;
+  }
+  struct em_plot plot = {.title = "Effects against time",
+                         .y_label = "computing time against the scene as it is  [%]",
+                         .y_low = 1.1 * low - 1.0, /* room for the legend above the bars */
+                         .y_high = high + 1.2 * (high - low) + 5.0,
+                         .series_count = n,
+                         .series = series,
+                         .category = names,
+                         .category_count = n,
+                         .width = 1400};
+  return n ? draw(cost, &plot, prefix, "effects", err) : EM_OK;
+}
+
+static enum em_status draw_statistics(const struct em_cost *cost, const char *prefix,
+                                      struct em_error *err) {
+  enum { POINTS = 24 };
+  struct em_plot_series series[EM_PRECISION_COUNT];
+  double x[POINTS], y[EM_PRECISION_COUNT][POINTS];
+  const size_t all = em_precision_blocks(cost->precision);
+  size_t n = 0, used = 0, before = 0;
+  for (int k = 0; k < POINTS; k++) {
+    const size_t blocks =
+        (size_t)llround((double)all * pow(16.0, ((double)k - (POINTS - 1)) / (POINTS - 1)));
+    if (blocks < 4 || blocks == before) continue;
+    before = blocks;
+    x[n] = em_precision_time(cost->precision, blocks);
+    for (int j = 0; j < EM_PRECISION_COUNT; j++) {
+      const struct em_interval f =
+          em_precision_figure(cost->precision, blocks, (enum em_precision_kind)j, 3.0, 0.95);
+      y[j][n] = 100.0 * em_mill_cost_width(&f);
+      if (!(y[j][n] > 0.0) || !isfinite(y[j][n])) y[j][n] = NAN;
+    }
+    n++;
+  }
+  for (int j = 0; j < EM_PRECISION_COUNT; j++) {
+    if (!(cost->figure[j].half > 0.0) || cost->figure[j].value == 0.0) continue;
+    series[used++] = (struct em_plot_series){.name = em_precision_words((enum em_precision_kind)j),
+                                             .style = EM_PLOT_LINE,
+                                             .count = n,
+                                             .x = x,
+                                             .y = y[j]};
+  }
+  struct em_plot plot = {.title = "Statistics against time",
+                         .x_label = "simulated time  [s]",
+                         .y_label = "half width of the confidence interval  [%]",
+                         .log_x = true,
+                         .log_y = true,
+                         .series_count = used,
+                         .series = series};
+  return used && n > 1 ? draw(cost, &plot, prefix, "statistics", err) : EM_OK;
+}
+
+enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
+                                 struct em_error *err) {
+  enum em_status status = draw_accuracy(cost, prefix, err);
+  if (!status) status = draw_effects(cost, prefix, err);
+  if (!status) status = draw_statistics(cost, prefix, err);
+  return status;
+}

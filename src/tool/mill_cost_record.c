@@ -1,0 +1,85 @@
+/* What recording costs: whole runs that write a file, against one that writes only its end. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "eventmill/recorder.h"
+#include "tool/mill_cost.h"
+
+/* s of computing below which a run tells nothing: starting alone varies by some 10 ms. */
+static const double LEAST = 0.1;
+
+/* s of computing by this process: a file may have a thread of its own. */
+static double clock_now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* A scene that records nothing but what the variant (NULL: none) asks for. */
+static enum em_status read_scene(const struct em_cost *cost, const struct em_cost_variant *variant,
+                                 double time, struct em_scene **scene, struct em_error *err) {
+  static const char *const bare[] = {"record.frames=0.0", "record.observables=0.0",
+                                     "record.histograms=0.0", "record.collisions=false",
+                                     "record.checkpoint=1e9"};
+  enum { BARE = sizeof bare / sizeof *bare };
+  char duration[64];
+  const char **list = calloc(cost->override_count + BARE + EM_COST_WORDS + 1, sizeof *list);
+  if (!list) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  size_t n = 0;
+  for (size_t k = 0; k < cost->override_count; k++)
+    list[n++] = cost->overrides[k];
+  for (int k = 0; k < BARE; k++)
+    list[n++] = bare[k];
+  for (size_t k = 0; variant && k < variant->words; k++)
+    list[n++] = variant->word[k];
+  snprintf(duration, sizeof duration, "duration=%.17g", time);
+  list[n++] = duration;
+  enum em_status status = em_scene_read(scene, cost->path, n, list, err);
+  free(list);
+  return status ? status : em_run_file_turn(*scene, err);
+}
+
+static enum em_status run(const struct em_cost *cost, const struct em_cost_variant *variant,
+                          double time, double *spent, struct em_error *err) {
+  char path[] = "/tmp/mill-cost-XXXXXX";
+  const int file = mkstemp(path);
+  if (file < 0) return em_error_set(err, EM_FILE, path, 0, "cannot be created");
+  close(file);
+  struct em_scene *scene = NULL;
+  enum em_status status = read_scene(cost, variant, time, &scene, err);
+  const struct em_recorder_options options = {.path = path, .force = true};
+  const double from = clock_now();
+  if (!status) status = em_recorder_run(scene, &options, NULL, NULL, err);
+  *spent = clock_now() - from;
+  em_scene_free(scene);
+  remove(path);
+  return status;
+}
+
+enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_result *result,
+                                   struct em_error *err) {
+  enum { BARE_START, BARE_RUN, FULL_START, FULL_RUN, KINDS };
+  double least[KINDS] = {INFINITY, INFINITY, INFINITY, INFINITY}, low = INFINITY, high = 0.0;
+  for (int r = 0; r < cost->rounds; r++) {
+    double spent[KINDS];
+    for (int k = 0; k < KINDS; k++) {
+      const enum em_status status = run(cost, k >= FULL_START ? &result->variant : NULL,
+                                        k % 2 ? cost->time : 0.0, &spent[k], err);
+      if (status) return status;
+      least[k] = fmin(least[k], spent[k]);
+    }
+    const double ratio =
+        (spent[FULL_RUN] - spent[FULL_START]) / (spent[BARE_RUN] - spent[BARE_START]);
+    low = fmin(low, ratio);
+    high = fmax(high, ratio);
+  }
+  result->time = (least[FULL_RUN] - least[FULL_START]) / (least[BARE_RUN] - least[BARE_START]);
+  result->time_low = fmin(low, result->time);
+  result->time_high = fmax(high, result->time);
+  if (least[BARE_RUN] - least[BARE_START] < LEAST)
+    result->time = result->time_low = result->time_high = NAN;
+  return EM_OK;
+}
