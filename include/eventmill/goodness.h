@@ -31,8 +31,8 @@ struct em_goodness em_goodness_ks(double *u, size_t n);
 
 /* The same for u = cdf(x) of a law whose parameter is tied to the data so that Σ x² = n k a² (its
  * energy is given: k = em_distribution_freedom). D is then smaller than for free data; its law is
- * sampled (1000 samples, fixed seed). centred: the
- * mean of the values was subtracted as well (the normal law). Errors: EM_INPUT (a law without
+ * sampled (2000 samples, fixed seed). centred: the mean of the values was subtracted as well (the
+ * normal law). Errors: EM_INPUT (a law without
  * freedom), EM_MEMORY. */
 enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution law, bool centred,
                                    double *u, size_t n);

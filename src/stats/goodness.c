@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { TIED_SAMPLES = 1000, TIED_SIZE = 250, LEAST_EXPECTED = 5 };
+enum { TIED_SAMPLES = 2000, TIED_SIZE = 128, LEAST_EXPECTED = 5 };
 
 struct em_goodness em_goodness_chi2(const double *observed, const double *expected, size_t bins,
                                     int constraints) {
@@ -88,6 +88,12 @@ struct em_goodness em_goodness_ks(double *u, size_t n) {
   return (struct em_goodness){d, (double)n, em_goodness_kolmogorov(stretched(d, (double)n))};
 }
 
+/* The same for tied parameters, where D nears its limit more slowly: with 1/4, the means and
+ * quantiles for n from 100 to 16 000 agree within their errors, 0.3 %. */
+static double stretched_tied(double d, double n) {
+  return (sqrt(n) + 0.25) * d;
+}
+
 /* √n D of one sample of `size` values x² = χ²_k, scaled so that their sum is size·k, and centred
  * before when asked for. */
 static double draw_tied(gsl_rng *rng, enum em_distribution law, bool centred, double *x,
@@ -106,7 +112,7 @@ static double draw_tied(gsl_rng *rng, enum em_distribution law, bool centred, do
   for (size_t i = 0; i < size; i++)
     x[i] = em_distribution_cdf(law, a, x[i]);
   gsl_sort(x, 1, size);
-  return stretched(distance(x, size), (double)size);
+  return stretched_tied(distance(x, size), (double)size);
 }
 
 /* Probability of more than x under the law that `sorted` samples; beyond them log p falls with x²,
@@ -135,7 +141,7 @@ enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution
     for (int s = 0; s < TIED_SAMPLES; s++)
       drawn[s] = draw_tied(rng, law, centred, x, size);
     gsl_sort(drawn, 1, TIED_SAMPLES);
-    out->p = sampled_tail(drawn, TIED_SAMPLES, stretched(out->statistic, (double)n));
+    out->p = sampled_tail(drawn, TIED_SAMPLES, stretched_tied(out->statistic, (double)n));
   }
   if (rng) gsl_rng_free(rng);
   free(x);

@@ -310,6 +310,18 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
   return status;
 }
 
+/* Subtracts the values' mean and divides them by their own σ. */
+static void centre_and_scale(double *x, size_t n) {
+  double mean = 0.0, square = 0.0;
+  for (size_t i = 0; i < n; i++)
+    mean += x[i] / (double)n;
+  for (size_t i = 0; i < n; i++)
+    square += (x[i] - mean) * (x[i] - mean);
+  const double own = sqrt(square / (double)n);
+  for (size_t i = 0; i < n; i++)
+    x[i] = (x[i] - mean) / own;
+}
+
 /* Turns velocities into units of √(kT/m), and components into units of their own σ. */
 static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
   const size_t n = gas->n[EM_GAS_SPEED], balls = em_scene_ball_count(scene);
@@ -328,9 +340,7 @@ static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
   for (size_t i = 0; i < n; i++)
     gas->x[EM_GAS_SPEED][i] /= unit;
   for (int d = 0; d < 3; d++) {
-    const double own = sqrt(gas->square[d] / (double)n);
-    for (size_t i = 0; i < n; i++)
-      gas->x[EM_GAS_VX + d][i] /= own;
+    centre_and_scale(gas->x[EM_GAS_VX + d], n);
     gas->square[d] /= gas->kt;
   }
   gas->sigma = sqrt(gas->kt / gas->mass);
