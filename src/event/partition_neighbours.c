@@ -12,6 +12,7 @@
 
 #include "event/partition.h"
 #include "event/shells.h"
+#include "event/vectors.h"
 
 #define STRAIGHT 0.8  /* share of the skin for the straight part of a path */
 #define KEEP     0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
@@ -47,7 +48,8 @@ struct em_places {
 
   struct em_shells shells;
   uint32_t *found; /* result of a search */
-  size_t found_room;
+  uint32_t *gone;  /* scratch: as many as the longest list has room for */
+  size_t found_room, gone_room;
 
   double omega;                 /* rad/s of the shells about the drum's axis */
   double phase;                 /* rad, their angle at the epoch's start */
@@ -105,7 +107,8 @@ static bool list_widen(struct em_places *p, struct list *l) {
   p->spare[k][p->spare_count[k]++] = l->at;
   l->at = at;
   l->room *= 2;
-  return true;
+  return l->room <= p->gone_room ||
+         grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, l->room);
 }
 
 static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
@@ -115,13 +118,15 @@ static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
   return true;
 }
 
+/* Four entries at a time: where one stands cannot be foretold, and a wrong guess costs more. */
 static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
   struct list *l = &p->list[i];
   uint32_t *e = p->pool + l->at;
   uint32_t k = 0;
-  while (e[k] != j)
-    k++;
-  e[k] = e[--l->count];
+  unsigned here;
+  while (!(here = v4i_bits(*(const v4i *)(e + k) == (int)j)))
+    k += 4;
+  e[k + (uint32_t)__builtin_ctz(here)] = e[--l->count];
 }
 
 /* --- shells ----------------------------------------------------------------------------------- */
@@ -270,6 +275,33 @@ static uint32_t next_stamp(struct em_places *p) {
   return p->stamp += 2;
 }
 
+/* Takes ball i out of the lists of those that were near and are no longer, and leaves in p->found
+ * those that have come near; returns how many. What each is cannot be foretold: no branches. */
+static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
+  struct list *l = &p->list[i];
+  uint32_t *mark = p->mark, *old = p->pool + l->at, *gone = p->gone;
+  const uint32_t was = next_stamp(p), stays = was + 1;
+  for (uint32_t k = 0; k < l->count; k++)
+    mark[old[k]] = was;
+  uint32_t come = 0, left = 0, go = 0;
+  for (uint32_t k = 0; k < found; k++) {
+    const uint32_t j = p->found[k], near = mark[j] == was;
+    mark[j] += near;
+    p->found[come] = j;
+    come += !near;
+  }
+  for (uint32_t k = 0; k < l->count; k++) {
+    const uint32_t j = old[k], keep = mark[j] == stays;
+    old[left] = gone[go] = j;
+    left += keep;
+    go += !keep;
+  }
+  l->count = left;
+  for (uint32_t k = 0; k < go; k++)
+    list_drop(p, gone[k], i);
+  return come;
+}
+
 static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_t *count) {
   struct em_places *p = w->places;
   struct list *l = &p->list[i];
@@ -284,26 +316,7 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   shell_place(w, p, i, now);
   uint32_t found;
   if (!search(w, p, i, &found)) goto memory;
-  const uint32_t kept = next_stamp(p);
-  for (uint32_t k = 0; k < l->count; k++)
-    p->mark[p->pool[l->at + k]] = kept - 1;
-  *count = 0;
-  for (uint32_t k = 0; k < found; k++) {
-    const uint32_t j = p->found[k];
-    if (p->mark[j] == kept - 1)
-      p->mark[j] = kept;
-    else
-      p->found[(*count)++] = j;
-  }
-  for (uint32_t k = 0; k < l->count;) {
-    const uint32_t j = p->pool[l->at + k];
-    if (p->mark[j] == kept) {
-      k++;
-    } else {
-      list_drop(p, j, i);
-      p->pool[l->at + k] = p->pool[l->at + --l->count];
-    }
-  }
+  *count = exchange(p, i, found);
   for (uint32_t k = 0; k < *count; k++)
     if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) goto memory;
   if (!em_shells_enter(&p->shells, i, s->centre, hull_of(w, i))) goto memory;
@@ -372,6 +385,7 @@ static void free_places(struct em_places *p) {
   free(p->near);
   free(p->pool);
   free(p->found);
+  free(p->gone);
   em_shells_release(&p->shells);
   free(p);
 }
@@ -383,6 +397,7 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(w->count, sizeof *p->near);
   return p->shell && p->list && p->mark && (p->near || !any) &&
+         grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
                         w->loop->avx2);
 }
@@ -484,7 +499,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 
 static size_t bytes(const struct em_places *p) {
   size_t sum = p->count * (sizeof *p->shell + sizeof *p->list + sizeof *p->mark) +
-               p->pool_room * sizeof *p->pool + p->found_room * sizeof *p->found;
+               p->pool_room * sizeof *p->pool + (p->found_room + p->gone_room) * sizeof *p->found;
   for (int k = 0; k < LIST_CLASSES; k++)
     sum += p->spare_room[k] * sizeof **p->spare;
   return sum + em_shells_bytes(&p->shells) + (p->near ? p->count * sizeof *p->near : 0);

@@ -1,12 +1,10 @@
 /* A grid of cells that holds shells. */
 #include "event/shells.h"
+#include "event/vectors.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
 
 #include "event/body.h"
 
@@ -57,6 +55,7 @@ static void set_cells(struct em_shells *s, struct em_vec extent) {
     s->n[k] = length[k] > edge ? (int)(length[k] / edge) : 1;
     s->edge[k] = length[k] / s->n[k];
     s->per_edge[k] = 1.0 / s->edge[k];
+    s->cells_per[k] = (float)s->per_edge[k];
     s->whole = s->whole || (s->period[k] > 0.0f && s->n[k] < 3);
   }
 }
@@ -68,6 +67,9 @@ bool em_shells_init(struct em_shells *s, uint32_t count, struct em_vec low, stru
   s->period[0] = (float)period.x;
   s->period[1] = (float)period.y;
   s->period[2] = (float)period.z;
+  s->lowest[0] = (float)low.x;
+  s->lowest[1] = (float)low.y;
+  s->lowest[2] = (float)low.z;
   s->slack = (float)(1e-6 * (em_vec_norm(low) + 2.0 * em_vec_norm(extent)));
   set_cells(s, extent);
   s->held = em_body_array(cells(s), sizeof *s->held);

@@ -19,6 +19,7 @@ struct em_shells {
   int n[3];                    /* cells along x, y, z */
   double edge[3], per_edge[3]; /* m, 1/m */
   float period[3];             /* m, 0 where not periodic */
+  float lowest[3], cells_per[3]; /* low and per_edge once more */
   bool whole; /* a periodic edge has less than three cells: nearest images one by one */
   struct em_vec low;
   float slack;      /* m */

@@ -1,9 +1,9 @@
 /* The search for near shells, for processors with AVX2. */
-#include <immintrin.h>
 #include <math.h>
 #include <string.h>
 
 #include "event/shells.h"
+#include "event/vectors.h"
 
 /* PACK[bits]: the places of the set bits, one byte each, lowest first. */
 #define COUNT(bits)   __builtin_popcount(bits)
