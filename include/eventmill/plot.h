@@ -26,9 +26,11 @@ struct em_plot_series {
   enum em_plot_style style;
   size_t count;
   const double *x, *y;
-  const double *error; /* half length of the error bar or band; NULL: none */
-  int colour;          /* 1, 2, …: a colour of the house's cycle; 0: the next one */
-  bool second_axis;    /* y belongs to the right axis */
+  const double *error;     /* half length of the error bar or band; NULL: none */
+  int colour;              /* 1, 2, …: a colour of the house's cycle; 0: the next one */
+  bool second_axis;        /* y belongs to the right axis */
+  const char *const *text; /* for POINTS: written beside each; NULL: nothing */
+  const int *text_line;    /* how many lines below the point; NULL: beside it */
 };
 
 /* A line across the diagram, at a threshold or a quartile. */

@@ -83,6 +83,20 @@ static void write_marks(struct em_gnuplot *g, const struct em_plot *plot) {
   }
 }
 
+/* The words beside the points of a series. */
+static void write_texts(struct em_gnuplot *g, const struct em_plot *plot, size_t k) {
+  const struct em_plot_series *s = &plot->series[k];
+  const uint8_t *c = colour_of(plot, k);
+  for (size_t j = 0; s->text != NULL && j < s->count; j++) {
+    fputs("set label ", g->out);
+    em_gnuplot_string(g, s->text[j]);
+    fprintf(g->out,
+            " at first %.9g, first %.9g left offset 1,%d font ',10' textcolor rgb '#%02x%02x%02x' "
+            "noenhanced front\n",
+            s->x[j], s->y[j], s->text_line != NULL ? -s->text_line[j] : 0, c[0], c[1], c[2]);
+  }
+}
+
 static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   bool second = false;
   for (size_t k = 0; k < plot->series_count; k++)
@@ -108,6 +122,8 @@ static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
             (double)plot->category_count - 0.4);
   }
   write_marks(g, plot);
+  for (size_t k = 0; k < plot->series_count; k++)
+    write_texts(g, plot, k);
 }
 
 /* One or two layers: what is filled below what is drawn. */

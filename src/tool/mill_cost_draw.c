@@ -21,41 +21,91 @@ static bool is_family(const char *a, const char *b) {
   return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
 }
 
-/* A point per variant; errors of 0 lie at the lower edge. */
-static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
-                                    struct em_error *err) {
-  struct em_plot_series series[EM_COST_VARIANTS];
+/* Where errors of 0 lie. */
+static const double LOWEST = 1e-22;
+
+/* The points of the diagram, family after family. */
+struct cloud {
+  size_t count, families;
   double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
-  char names[EM_COST_VARIANTS][16];
+  char text[EM_COST_VARIANTS][96];
+  const char *texts[EM_COST_VARIANTS];
+  int line[EM_COST_VARIANTS];
+  struct em_plot_series series[EM_COST_VARIANTS];
+};
+
+/* Its name, and whether it loses or invents contacts. */
+static void describe(char *text, size_t size, const struct em_cost_result *r) {
+  const struct em_cost_flights *f = &r->flights;
+  const double scale = 1e9 / (double)f->flights;
+  int n = snprintf(text, size, "%s", r->variant.name);
+  if (f->missed)
+    n += snprintf(text + n, size - (size_t)n, ", misses %.0e", scale * (double)f->missed);
+  if (f->invented)
+    snprintf(text + n, size - (size_t)n, ", invents %.0e", scale * (double)f->invented);
+}
+
+/* Texts of points that lie close together go below them, one under the other. */
+static void set_lines(struct cloud *c) {
+  for (size_t n = 0; n < c->count; n++) {
+    int before = 0, near = 0;
+    for (size_t k = 0; k < c->count; k++) {
+      if (fabs(log10(c->y[k] / c->y[n])) > 0.4 || fabs(log10(c->x[k] / c->x[n])) > 0.3) continue;
+      near++;
+      before += k < n;
+    }
+    c->line[n] = near > 1 ? 1 + before : 0;
+  }
+}
+
+static void gather_points(struct cloud *c, const struct em_cost *cost) {
   const char *before = "";
-  size_t n = 0, families = 0;
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
+    const size_t n = c->count;
     if (r->variant.group != EM_COST_ACCURACY || r->failed || !r->flights.contacts) continue;
     if (!isfinite(r->flights.rms)) continue;
-    x[n] = r->time;
-    y[n] = fmax(r->flights.rms, 1e-22);
+    c->x[n] = r->time;
+    c->y[n] = fmax(r->flights.rms, LOWEST);
+    describe(c->text[n], sizeof c->text[n], r);
+    c->texts[n] = c->text[n];
     if (!is_family(before, r->variant.name)) {
-      const char *name = r->variant.name;
-      snprintf(names[families], sizeof names[0], "%.*s", (int)strcspn(name, " :"), name);
-      if (strcmp(names[families], "no") == 0)
-        snprintf(names[families], sizeof names[0], "shortcut");
-      series[families] = (struct em_plot_series){
-          .name = names[families], .style = EM_PLOT_POINTS, .x = &x[n], .y = &y[n]};
-      families++;
-      before = name;
+      c->series[c->families++] = (struct em_plot_series){.style = EM_PLOT_POINTS,
+                                                         .x = &c->x[n],
+                                                         .y = &c->y[n],
+                                                         .text = &c->texts[n],
+                                                         .text_line = &c->line[n]};
+      before = r->variant.name;
     }
-    series[families - 1].count++;
-    n++;
+    c->series[c->families - 1].count++;
+    c->count++;
   }
-  if (n == 0) return EM_OK;
+  set_lines(c);
+}
+
+static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
+                                    struct em_error *err) {
+  struct cloud c = {0};
+  gather_points(&c, cost);
+  if (c.count == 0) return EM_OK;
+  double low = 1.0, high = 1.0;
+  for (size_t k = 0; k < c.count; k++) {
+    low = fmin(low, c.x[k]);
+    high = fmax(high, c.x[k]);
+  }
   struct em_plot plot = {.title = "Accuracy against time",
-                         .x_label = "computing time, the scene as it is = 1",
+                         .x_label =
+                             "computing time, the scene as it is = 1; misses, invents: per 1e9 "
+                             "flights",
                          .y_label = "error of contact times, rms  [s]",
                          .log_x = true,
                          .log_y = true,
-                         .series_count = families,
-                         .series = series};
+                         .x_low = 0.8 * low,
+                         .x_high = 2.0 * high, /* room for the last name */
+                         .y_low = 0.1 * LOWEST,
+                         .y_high = 0.1,
+                         .series_count = c.families,
+                         .series = c.series};
   return draw(cost, &plot, prefix, "accuracy", err);
 }
 
