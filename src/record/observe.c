@@ -74,6 +74,10 @@ static void mean_speed(const struct em_observe_state *state, void *cells) {
   *(double *)cells = state->mean_speed;
 }
 
+static void resting_share(const struct em_observe_state *state, void *cells) {
+  *(double *)cells = state->resting;
+}
+
 static void collisions(const struct em_observe_state *state, void *cells) {
   memcpy(cells, tally(state)->collisions, sizeof tally(state)->collisions);
 }
@@ -132,6 +136,7 @@ const struct em_observable em_observe_list[] = {
     {"potential_energy", "J", false, false, with_gravity, potential_energy},
     {"median_speed", "m s-1", false, false, always, median_speed},
     {"mean_speed", "m s-1", false, false, always, mean_speed},
+    {"resting_share", NULL, false, false, with_gravity, resting_share},
     {"collisions", NULL, true, true, per_class, collisions},
     {"dissipated_energy", "J", false, true, per_class, dissipated_energy},
     {"collision_energy", "J", false, true, per_class, collision_energy},
@@ -183,8 +188,21 @@ double em_observe_median(double *numbers, size_t count) {
   return 0.5 * (below + numbers[middle]);
 }
 
-void em_observe_balls(struct em_observe_state *state, const struct em_balls *balls,
-                      double *speeds) {
+/* The chamber turns about the axis y through the origin. */
+static double resting(const struct em_scene *scene, const struct em_balls *balls) {
+  const double fall = em_vec_norm(scene->gravity), omega = scene->chamber.rpm * M_PI / 30.0;
+  size_t count = 0;
+  for (size_t i = 0; i < balls->count; i++) {
+    const struct em_vec v = balls->velocity[i], x = balls->position[i];
+    const struct em_vec turning = {v.x - omega * x.z, v.y, v.z + omega * x.x};
+    const double least = fmin(em_vec_norm2(v), em_vec_norm2(turning));
+    count += least < 2.0 * fall * 2.0 * balls->radius[i];
+  }
+  return balls->count ? (double)count / (double)balls->count : 0.0;
+}
+
+void em_observe_balls(struct em_observe_state *state, const struct em_scene *scene,
+                      const struct em_balls *balls, double *speeds) {
   double sum = 0.0;
   for (size_t i = 0; i < balls->count; i++) {
     speeds[i] = em_vec_norm(balls->velocity[i]);
@@ -192,6 +210,7 @@ void em_observe_balls(struct em_observe_state *state, const struct em_balls *bal
   }
   state->mean_speed = balls->count ? sum / (double)balls->count : NAN;
   state->median_speed = em_observe_median(speeds, balls->count);
+  state->resting = resting(scene, balls);
   state->energy = em_world_energy(state->world, balls);
 }
 

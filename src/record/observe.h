@@ -14,6 +14,7 @@ struct em_observe_state {
   double time;                     /* s */
   struct em_energy energy;         /* J */
   double median_speed, mean_speed; /* m/s */
+  double resting;                  /* share of the balls that cannot rise by their diameter */
   double interval;                 /* s since the sample before; 0 at the first one */
   const double *impulse_before;    /* N m s, angular impulse per blade at the sample before */
 };
@@ -30,8 +31,10 @@ struct em_observable {
 extern const struct em_observable em_observe_list[];
 extern const size_t em_observe_count;
 
-/* Fills in energy and speeds of a state of the balls. speeds: room for one number per ball. */
-void em_observe_balls(struct em_observe_state *state, const struct em_balls *balls, double *speeds);
+/* Fills in energy and speeds of a state of the balls, and how many of them rest: ½ v² < |g| d, seen
+ * from the room or from a chamber that turns. speeds: room for one number per ball. */
+void em_observe_balls(struct em_observe_state *state, const struct em_scene *scene,
+                      const struct em_balls *balls, double *speeds);
 
 /* The work (J) that all moving surfaces have done on the balls since the start. */
 double em_observe_work(const struct em_world *world);

@@ -60,7 +60,7 @@ static double time_of(uint64_t k, double rate) {
 static void look(struct recorder *r, struct em_observe_state *state, double time) {
   *state = (struct em_observe_state){.world = r->world, .time = time};
   em_world_state(r->world, time, r->balls);
-  em_observe_balls(state, r->balls, r->speeds);
+  em_observe_balls(state, r->scene, r->balls, r->speeds);
   state->interval = r->samples ? time - r->sample_before : 0.0;
   state->impulse_before = r->impulse;
 }
@@ -74,7 +74,8 @@ static enum em_status sample(struct recorder *r, double time, struct em_error *e
     r->impulse[k] = em_world_blade_tally(r->world, k)->angular_impulse;
   r->sample_before = time;
   r->samples++;
-  if (!status && !em_summary_sample(&r->part, time, state.median_speed, em_observe_work(r->world)))
+  if (!status && !em_summary_sample(&r->part, time, state.median_speed, em_observe_work(r->world),
+                                    state.resting))
     status = no_memory(err);
   return status;
 }
@@ -260,6 +261,8 @@ static enum em_status conclude(struct recorder *r, enum em_status status, struct
                  : status == EM_JAM      ? EM_END_JAM
                                          : EM_END_FAILED;
   if (status == EM_FILE) return status;
+  if (r->state.end == EM_END_DONE)
+    em_summary_warn(&r->part, r->scene, r->state.message, sizeof r->state.message);
   if (r->state.end > EM_END_INTERRUPTED && err)
     snprintf(r->state.message, sizeof r->state.message, "%.1000s", err->text);
   struct em_error inner = {0};
@@ -364,7 +367,7 @@ static enum em_status compare_scenes(const struct recorder *r, const struct em_r
 
 static enum em_status reload_samples(struct recorder *r, const struct em_run_file *file,
                                      struct em_error *err) {
-  struct em_series *median = NULL, *work = NULL, *impulse = NULL, *drum = NULL;
+  struct em_series *median = NULL, *work = NULL, *impulse = NULL, *drum = NULL, *resting = NULL;
   if (!(r->scene->record.observables > 0.0)) return EM_OK;
   enum em_status status = em_run_file_series(file, "median_speed", &median, err);
   if (!status && em_run_file_has(file, "blade_work"))
@@ -373,11 +376,14 @@ static enum em_status reload_samples(struct recorder *r, const struct em_run_fil
     status = em_run_file_series(file, "blade_angular_impulse", &impulse, err);
   if (!status && em_run_file_has(file, "drum_work"))
     status = em_run_file_series(file, "drum_work", &drum, err);
+  if (!status && em_run_file_has(file, "resting_share"))
+    status = em_run_file_series(file, "resting_share", &resting, err);
   for (size_t i = 0; !status && i < median->count; i++) {
     double sum = drum && i < drum->count ? drum->value[i] : 0.0;
     for (size_t k = 0; work && i < work->count && k < work->width; k++)
       sum += work->value[i * work->width + k];
-    if (!em_summary_sample(&r->part, median->time[i], median->value[i], sum))
+    const double rest = resting && i < resting->count ? resting->value[i] : 0.0;
+    if (!em_summary_sample(&r->part, median->time[i], median->value[i], sum, rest))
       status = no_memory(err);
   }
   if (!status && median->count) {
@@ -391,6 +397,7 @@ static enum em_status reload_samples(struct recorder *r, const struct em_run_fil
   em_run_file_series_free(work);
   em_run_file_series_free(impulse);
   em_run_file_series_free(drum);
+  em_run_file_series_free(resting);
   return status;
 }
 

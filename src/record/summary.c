@@ -2,11 +2,13 @@
 #include "record/summary.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double STEADY_FROM = 0.2;  /* s */
 static const double HARD_FROM = 3.0;    /* m/s; an edge of a bin */
+static const double RESTING = 0.1;      /* share of the balls from which a mill is too slow */
 static const double TIME_SLACK = 1e-12; /* relative, for k / rate against a time */
 
 bool em_summary_begin(struct em_summary_part *part, double duration) {
@@ -20,6 +22,7 @@ void em_summary_end(struct em_summary_part *part) {
   free(part->time);
   free(part->median);
   free(part->work);
+  free(part->resting);
   free(part->vn);
   memset(part, 0, sizeof *part);
 }
@@ -30,15 +33,18 @@ static bool grow(double **array, size_t room) {
   return more;
 }
 
-bool em_summary_sample(struct em_summary_part *part, double time, double median, double work) {
+bool em_summary_sample(struct em_summary_part *part, double time, double median, double work,
+                       double resting) {
   if (part->samples == part->room) {
     const size_t room = part->room ? 2 * part->room : 256;
-    if (!grow(&part->time, room) || !grow(&part->median, room) || !grow(&part->work, room))
+    if (!grow(&part->time, room) || !grow(&part->median, room) || !grow(&part->work, room) ||
+        !grow(&part->resting, room))
       return false;
     part->room = room;
   }
   part->time[part->samples] = time;
   part->median[part->samples] = median;
+  part->resting[part->samples] = resting;
   part->work[part->samples++] = work;
   return true;
 }
@@ -99,18 +105,41 @@ static void fill_histogram(struct em_summary *summary, const struct em_summary_p
 
 /* ---------------------------------------------------------------- the others */
 
+static size_t first_steady(const struct em_summary_part *part) {
+  size_t first = 0;
+  while (first < part->samples && !is_steady(part, part->time[first]))
+    first++;
+  return first;
+}
+
+static double mean(const double *values, size_t first, size_t end) {
+  double sum = 0.0;
+  for (size_t i = first; i < end; i++)
+    sum += values[i];
+  return sum / (double)(end - first);
+}
+
+void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
+                     size_t size) {
+  const size_t first = first_steady(part);
+  const unsigned driven = EM_EFFECT_ROTOR | EM_EFFECT_TURNING, effects = em_scene_effects(scene);
+  text[0] = '\0';
+  if (!(effects & EM_EFFECT_GRAVITY) || !(effects & driven) || first == part->samples) return;
+  const double share = mean(part->resting, first, part->samples);
+  if (share < RESTING) return;
+  snprintf(text, size,
+           "%.0f %% of the balls rest: they are too slow to rise by their own diameter. The mill "
+           "turns too slowly to hold them up; where balls lie on one another, a contact that lasts "
+           "is counted as many short ones",
+           100.0 * share);
+}
+
 /* Mean of the median over the samples of the steady part, and the work between its first and last
  * one; the state now when there are too few. */
 static void fill_samples(struct em_summary *summary, const struct em_summary_part *part,
                          const struct em_world *world, const struct em_observe_state *now) {
-  size_t first = 0;
-  while (first < part->samples && !is_steady(part, part->time[first]))
-    first++;
-  double sum = 0.0;
-  for (size_t i = first; i < part->samples; i++)
-    sum += part->median[i];
-  const size_t count = part->samples - first;
-  summary->median_speed = count ? sum / (double)count : now->median_speed;
+  const size_t first = first_steady(part), count = part->samples - first;
+  summary->median_speed = count ? mean(part->median, first, part->samples) : now->median_speed;
   const size_t last = part->samples - 1;
   if (count > 1)
     summary->power =
@@ -154,6 +183,7 @@ void em_summary_fill(struct em_summary *summary, const struct em_summary_part *p
   summary->tc = tally->tc;
   summary->elastic = tally->elastic;
   summary->jam = tally->jam;
+  em_summary_warn(part, scene, summary->warning, sizeof summary->warning);
   fill_samples(summary, part, world, now);
   fill_histogram(summary, part, tally);
   summary->energy_error = energy_error(scene, world, state, &now->energy);

@@ -10,9 +10,9 @@
 struct em_summary_part {
   double steady; /* s: where it begins */
   size_t samples, room;
-  double *time, *median, *work; /* of the observables, owned */
-  uint64_t *vn;                 /* [EM_TALLY_BINS], of the blocks in the steady part, owned */
-  double covered;               /* s, length of these blocks */
+  double *time, *median, *work, *resting; /* of the observables, owned */
+  uint64_t *vn;   /* [EM_TALLY_BINS], of the blocks in the steady part, owned */
+  double covered; /* s, length of these blocks */
 };
 
 /* false: no memory. */
@@ -21,9 +21,15 @@ void em_summary_end(struct em_summary_part *part);
 
 /* A sample of the observables; a complete block of the histogram ([EM_CLASS_COUNT *
  * EM_TALLY_BINS]). */
-bool em_summary_sample(struct em_summary_part *part, double time, double median, double work);
+bool em_summary_sample(struct em_summary_part *part, double time, double median, double work,
+                       double resting);
 void em_summary_block(struct em_summary_part *part, double start, double end,
                       const uint64_t *counts);
+
+/* What the user of a driven scene has to know about its steady part: that many balls rest, which
+ * neither the rotor nor the turning drum holds up. Empty when there is nothing to say. */
+void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
+                     size_t size);
 
 /* Figures that follow from the world as it is. */
 void em_summary_fill(struct em_summary *summary, const struct em_summary_part *part,

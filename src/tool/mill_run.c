@@ -165,6 +165,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
             summary.simulated_time, path);
   else if (status)
     advise(&err, path, created && begun);
+  if (begun && summary.warning[0]) fprintf(stderr, "warning: %s\n", summary.warning);
   if (options->precision && begun) tell_reached(&record, enough, summary.simulated_time);
   if (begun && options->json)
     em_mill_report_json(&summary, scene);

@@ -66,7 +66,7 @@ static inline enum em_status digest_series(const struct em_run_file *file, uint6
   static const char *const names[] = {
       "kinetic_energy", "spin_energy",           "potential_energy", "median_speed", "mean_speed",
       "collisions",     "dissipated_energy",     "collision_energy", "blade_work",   "blade_torque",
-      "blade_contacts", "blade_angular_impulse", "jam_contacts"};
+      "blade_contacts", "blade_angular_impulse", "jam_contacts",     "resting_share"};
   enum em_status status = EM_OK;
   for (size_t i = 0; i < sizeof names / sizeof *names && !status; i++) {
     struct em_series *s = NULL;
