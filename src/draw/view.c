@@ -140,9 +140,30 @@ static void put_titles(FILE *out, const struct em_scene *scene) {
   fprintf(out, ",\n");
 }
 
+static void put_names(FILE *out, const struct em_scene *scene) {
+  fprintf(out, "\"classNames\":[");
+  for (int k = 0; k < EM_CLASS_COUNT; k++) {
+    if (k > 0) putc(',', out);
+    put_text(out, em_contact_class_name((enum em_class)k));
+  }
+  fprintf(out, "],\"speciesNames\":[");
+  for (size_t k = 0; k < scene->species_count && k <= UINT8_MAX; k++) {
+    if (k > 0) putc(',', out);
+    put_text(out, scene->species[k].name);
+  }
+  fprintf(out, "],\n");
+}
+
 static void put_colours(FILE *out) {
+  enum { CYCLE = 16 };
   struct em_colour_map map;
+  uint8_t cycle[CYCLE][3];
   em_colour_make(EM_COLOUR_LAGOON, &map);
+  for (unsigned k = 0; k < CYCLE; k++)
+    memcpy(cycle[k], em_colour_cycle(k), sizeof cycle[k]);
+  fprintf(out, "\"cycle\":\"");
+  put_base64(out, &cycle[0][0], sizeof cycle);
+  fprintf(out, "\",\n");
   fprintf(out, "\"colours\":\"");
   put_base64(out, &map.rgb[0][0], sizeof map.rgb);
   /* The same light as in pictures; a browser's GLSL has another first line. */
@@ -165,9 +186,12 @@ static void put_head(FILE *out, const struct page *page) {
   put_blades(out, page->scene);
   put_shafts(out, page->scene);
   put_numbers(out, "radii", radius, kinds <= UINT8_MAX + 1 ? kinds : UINT8_MAX + 1);
-  fprintf(out, "\"scaleLow\":0,\"scaleHigh\":%.9g,\n", page->scale);
+  fprintf(out, "\"scaleHigh\":%.9g,\"spinHigh\":%.9g,\n", page->scale,
+          em_picture_spin_scale(page->balls));
+  put_names(out, page->scene);
   put_numbers(out, "times", f->time, f->count);
   put_numbers(out, "scales", f->scale, f->count);
+  put_numbers(out, "spinScales", f->spin_scale, f->spins ? f->count : 0);
   put_colours(out);
   putc('}', out);
 }
@@ -197,6 +221,10 @@ static void put_page(FILE *out, const struct page *page) {
     if (strncmp(rest, "SPECIES", length) == 0) put_species(out, page);
     if (strncmp(rest, "FRAMES", length) == 0)
       put_base64(out, f->bytes, f->count * f->balls * EM_VIEW_BALL_BYTES);
+    if (strncmp(rest, "SPINS", length) == 0)
+      put_base64(out, f->spins, f->spins ? f->count * f->balls * EM_VIEW_SPIN_BYTES : 0);
+    if (strncmp(rest, "CLASSES", length) == 0)
+      put_base64(out, f->classes, f->classes ? f->count * f->balls : 0);
     if (strncmp(rest, "SCRIPT", length) == 0) fputs((const char *)view_script, out);
     rest += length + 1;
   }

@@ -43,8 +43,8 @@ static enum em_status list_times(struct em_view_frames *f, const struct em_run_f
 }
 
 /* Keeps every n-th frame, so that the file stays below its limit. */
-static void thin(struct em_view_frames *f, size_t most_bytes) {
-  const size_t each = f->balls * EM_VIEW_BALL_BYTES, encoded = (each + 2) / 3 * 4;
+static void thin(struct em_view_frames *f, size_t ball_bytes, size_t most_bytes) {
+  const size_t each = f->balls * ball_bytes, encoded = (each + 2) / 3 * 4;
   const size_t room = encoded > 0 ? most_bytes / encoded : f->count;
   f->wanted = f->count;
   if (f->count <= room || f->count < 3) return;
@@ -81,13 +81,38 @@ static void pack(struct em_view_frames *f, size_t frame, const struct em_balls *
     }
 }
 
+static void pack_spins(struct em_view_frames *f, size_t frame, const struct em_balls *balls) {
+  uint8_t *spin = f->spins + frame * f->balls * EM_VIEW_SPIN_BYTES;
+  double most = 0.0;
+  for (size_t k = 0; k < f->balls; k++)
+    most = fmax(most, em_vec_norm(balls->spin[f->chosen[k]]));
+  f->spin_scale[frame] = most / 65535.0;
+  for (size_t k = 0; k < f->balls; k++)
+    put16(spin + EM_VIEW_SPIN_BYTES * k,
+          most > 0.0 ? (int)lround(65535.0 * em_vec_norm(balls->spin[f->chosen[k]]) / most) : 0);
+}
+
+static void pack_classes(struct em_view_frames *f, size_t frame, const uint8_t *last) {
+  for (size_t k = 0; k < f->balls; k++)
+    f->classes[frame * f->balls + k] = last ? last[f->chosen[k]] : EM_CLASS_COUNT;
+}
+
+static bool make_room(struct em_view_frames *f, bool spins, bool classes) {
+  f->scale = calloc(f->count, sizeof *f->scale);
+  f->bytes = malloc(f->count * f->balls * EM_VIEW_BALL_BYTES + 1);
+  if (spins) {
+    f->spin_scale = calloc(f->count, sizeof *f->spin_scale);
+    f->spins = malloc(f->count * f->balls * EM_VIEW_SPIN_BYTES + 1);
+  }
+  if (classes) f->classes = malloc(f->count * f->balls + 1);
+  return f->scale && f->bytes && (!spins || (f->spin_scale && f->spins)) &&
+         (!classes || f->classes);
+}
+
 static enum em_status pack_all(struct em_view_frames *f, struct em_motion *motion,
                                const struct em_scene *scene, struct em_error *err) {
   struct em_vec low, high;
   em_scene_bounds(scene, &low, &high);
-  f->scale = calloc(f->count, sizeof *f->scale);
-  f->bytes = malloc(f->count * f->balls * EM_VIEW_BALL_BYTES + 1);
-  if (f->scale == NULL || f->bytes == NULL) return no_memory(err);
   for (size_t k = 0; k < f->count; k++) {
     const enum em_status status = em_motion_seek(motion, f->time[k], err);
     if (status != EM_OK) return status;
@@ -98,6 +123,8 @@ static enum em_status pack_all(struct em_view_frames *f, struct em_motion *motio
         return em_error_set(err, EM_INPUT, NULL, 0,
                             "ball %zu has no place or velocity that is a number", b);
     pack(f, k, balls, low, high);
+    if (f->spins) pack_spins(f, k, balls);
+    if (f->classes) pack_classes(f, k, em_motion_classes(motion));
   }
   return EM_OK;
 }
@@ -117,14 +144,24 @@ enum em_status em_view_frames_fill(struct em_view_frames *frames, const struct e
   enum em_status status = choose_balls(frames, options->balls, err);
   if (status == EM_OK) status = list_times(frames, run, from, to, step, err);
   if (status != EM_OK) return status;
-  thin(frames, options->largest > 0 ? options->largest : (size_t)48 << 20);
-  return pack_all(frames, motion, em_run_file_scene(run), err);
+  const struct em_scene *scene = em_run_file_scene(run);
+  const bool spins = (em_scene_effects(scene) & EM_EFFECT_SPIN) != 0;
+  const bool classes = em_motion_is_exact(motion);
+  size_t ball_bytes = EM_VIEW_BALL_BYTES;
+  if (spins) ball_bytes += EM_VIEW_SPIN_BYTES;
+  if (classes) ball_bytes++;
+  thin(frames, ball_bytes, options->largest > 0 ? options->largest : (size_t)48 << 20);
+  if (!make_room(frames, spins, classes)) return no_memory(err);
+  return pack_all(frames, motion, scene, err);
 }
 
 void em_view_frames_clear(struct em_view_frames *frames) {
   free(frames->time);
   free(frames->scale);
   free(frames->chosen);
+  free(frames->spin_scale);
   free(frames->bytes);
+  free(frames->spins);
+  free(frames->classes);
   memset(frames, 0, sizeof *frames);
 }

@@ -9,14 +9,17 @@
 
 /* For each frame and chosen ball: 3 × 16 bits of position, and after all of them 3 × 16 bits of
  * velocity; little-endian. */
-enum { EM_VIEW_BALL_BYTES = 12 };
+enum { EM_VIEW_BALL_BYTES = 12, EM_VIEW_SPIN_BYTES = 2 };
 
 struct em_view_frames {
   size_t count, wanted, balls, total; /* frames; chosen balls, balls of the run */
   double *time;                       /* s */
-  double *scale;                      /* m/s per unit of velocity */
+  double *scale, *spin_scale;         /* m/s and rad/s per unit */
   size_t *chosen;                     /* indices of balls */
   uint8_t *bytes;                     /* count × balls × EM_VIEW_BALL_BYTES */
+  uint8_t *spins;                     /* count × balls × 16 bits; NULL: balls do not spin */
+  uint8_t *classes;                   /* count × balls: enum em_class of the last contact or
+                                         EM_CLASS_COUNT; NULL: not known */
 };
 
 /* Fills all zero `frames`; to be cleared in every case. */

@@ -1,9 +1,10 @@
 """Drives headless Chromium through its WebDriver: does the page of millpost view play a run?
 
-Usage: view.py PAGE SCREENSHOT. Prints a line for each check, and exits 1 when one fails."""
+Usage: view.py PAGE SCREENSHOT [FOLDER]; FOLDER gets a screenshot of each colouring. Prints a line for each check, and exits 1 when one fails."""
 import base64, json, os, socket, subprocess, sys, tempfile, time, urllib.request
 
 page, picture = os.path.abspath(sys.argv[1]), sys.argv[2]
+folder = sys.argv[3] if len(sys.argv) > 3 else None
 with socket.socket() as s:
     s.bind(("127.0.0.1", 0))
     port = s.getsockname()[1]
@@ -47,6 +48,25 @@ def main(profile):
     def run(script):
         return ask("POST", session + "/execute/sync", {"script": script, "args": []})
 
+    def shoot(path):
+        with open(path, "wb") as out:
+            out.write(base64.b64decode(ask("GET", session + "/screenshot")))
+
+    # As a browser without some kinds of canvas would have it, from the next page on.
+    def forbid(kinds):
+        ask("POST", session + "/goog/cdp/execute", {
+            "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": {"source": """
+              {
+                const own = HTMLCanvasElement.prototype.getContext;
+                HTMLCanvasElement.prototype.getContext = function(kind, wish) {
+                  return %s.includes(kind) ? null : own.call(this, kind, wish);
+                };
+              }""" % json.dumps(kinds)}})
+
+    def errors():
+        return [m["message"] for m in ask("POST", session + "/se/log", {"type": "browser"})
+                if m["level"] == "SEVERE"]
+
     def key(value):
         ask("POST", session + "/actions", {"actions": [{"type": "key", "id": "k", "actions": [
             {"type": "keyDown", "value": value}, {"type": "keyUp", "value": value}]}]})
@@ -63,9 +83,8 @@ def main(profile):
 
     ask("POST", session + "/url", {"url": f"file://{page}#paused"})
     check(run("return document.body.dataset.ready") == "yes", "the page loads from a file")
-    errors = [m["message"] for m in ask("POST", session + "/se/log", {"type": "browser"})
-              if m["level"] == "SEVERE"]
-    check(not errors, f"no errors on the console {errors or ''}")
+    said = errors()
+    check(not said, f"no errors on the console {said or ''}")
     check(run("return performance.getEntriesByType('resource')"
               ".filter(r => !r.name.startsWith('data:')).length") == 0, "nothing is loaded besides")
     first, total = probe(), run("return player.run.count")
@@ -136,11 +155,47 @@ def main(profile):
     run("location.hash = '#paused&turn=38&tilt=18&t=%g'" % (0.6 * span))
     time.sleep(0.3)
     probe()
-    with open(picture, "wb") as out:
-        out.write(base64.b64decode(ask("GET", session + "/screenshot")))
-    errors = [m["message"] for m in ask("POST", session + "/se/log", {"type": "browser"})
-              if m["level"] == "SEVERE"]
-    check(not errors, f"still no errors {errors or ''}")
+    shoot(picture)
+
+    kinds = run("return Object.keys(player.legend.kinds)")
+    check(kinds[0] == "speed" and "class" in kinds and "spin" in kinds, f"colours tell {kinds}")
+    seen = {}
+    for kind in kinds:
+        run(f"location.hash = '#colour={kind}'")
+        time.sleep(0.3)
+        seen[kind] = probe()["sum"]
+        check(run("return document.getElementById('colour').value") == kind, f"colours by {kind}")
+        if folder:
+            shoot(f"{folder}/{kind}.png")
+    check(len(set(seen.values())) == len(kinds), "each looks otherwise")
+    check(run("return player.legend.shares.flatMap(s => [...s]).reduce((a, b) => a + b)") == total,
+          "the shares of the histogram count all balls")
+    run("location.hash = '#colour=spin&spins=0:%g'" % run("return player.run.spinHigh / 3"))
+    time.sleep(0.3)
+    want = run("return player.run.spin.filter(s => s <= player.run.spinHigh / 3).length")
+    check(probe()["shown"] == want and 0 < want < total, f"only some spins ({want} of {total})")
+    said = errors()
+    check(not said, f"still no errors {said or ''}")
+
+    view = "#paused&turn=38&tilt=18&t=%g" % (0.6 * span)
+    ask("POST", session + "/url", {"url": f"file://{page}?again{view}"})
+    modern = probe()
+    forbid(["webgl2"])
+    ask("POST", session + "/url", {"url": f"file://{page}?old{view}"})
+    old = probe()
+    check(run("return player.stage.version") == 1 and old["error"] == 0, "WebGL 1 serves as well")
+    check(old["shown"] == total and abs(old["drawn"] - modern["drawn"]) < 0.005,
+          f"and shows the same ({old['drawn']:.3f} and {modern['drawn']:.3f} drawn)")
+    if folder:
+        shoot(f"{folder}/webgl1.png")
+    said = errors()
+    check(not said, f"without errors {said or ''}")
+    forbid(["webgl2", "webgl"])
+    ask("POST", session + "/url", {"url": f"file://{page}?none"})
+    check("no WebGL" in run("return document.getElementById('trouble').textContent"),
+          "a browser without WebGL is told so")
+    if folder:
+        shoot(f"{folder}/none.png")
     ask("DELETE", session)
 
 

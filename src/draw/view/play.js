@@ -52,6 +52,10 @@ class Player {
     $("point").textContent = this.run.point;
     for (const r of RATES)
       $("rate").add(new Option(r === 1 ? "real time" : `${r} × slower`, r));
+    const words = {speed: "by speed", spin: "by spin", class: "by last contact",
+                   species: "by species"};
+    for (const by of Object.keys(this.legend.kinds)) $("colour").add(new Option(words[by], by));
+    $("colour").hidden = $("colour").length < 2;
     $("scrub").min = this.run.first;
     $("scrub").max = this.run.last;
   }
@@ -89,7 +93,7 @@ class Player {
   draw() {
     this.dirty = false;
     this.run.seek(this.time);
-    this.legend.count(this.run.speed);
+    this.legend.count();
     const shown = this.collect(), all = shown + this.addTrails(shown);
     this.stage.begin();
     this.stage.metal(this.time, this.hidden);
@@ -104,15 +108,12 @@ class Player {
 
   // The balls that are to be seen, with their colours.
   collect() {
-    const {run, legend, sphere, rgba} = this, [low, high] = legend.bounds;
+    const {run, legend, sphere, rgba} = this;
     let n = 0;
     for (let i = 0; i < run.count && !this.hidden.balls; i++) {
-      const v = run.speed[i];
-      if (v < low || v > high) continue;
-      for (let a = 0; a < 3; a++) {
-        sphere[4 * n + a] = run.place[3 * i + a];
-        rgba[4 * n + a] = legend.colours[3 * legend.step(v) + a];
-      }
+      if (!legend.shows(i)) continue;
+      for (let a = 0; a < 3; a++) sphere[4 * n + a] = run.place[3 * i + a];
+      legend.paint(i, rgba, 4 * n);
       sphere[4 * n + 3] = run.radius(i);
       rgba[4 * n + 3] = 255;
       n++;
@@ -163,15 +164,19 @@ class Player {
   }
 
   tell(shown) {
-    const {run} = this, [low, high] = this.legend.bounds;
-    const range = high === Infinity ? `faster than ${low.toFixed(2)} m/s`
-                                    : `between ${low.toFixed(2)} and ${high.toFixed(2)} m/s`;
+    const {run, legend} = this;
+    const ranges = legend.axes.filter(a => a.bounds[0] > 0 || a.bounds[1] < Infinity).map(a => {
+      const [low, high] = a.bounds.map(v => v.toPrecision(3));
+      return `${a.title.toLowerCase()} ` + (a.bounds[1] === Infinity
+        ? `above ${low} ${a.unit}` : `between ${low} and ${high} ${a.unit}`);
+    });
     $("time").textContent = `t = ${this.time.toFixed(4)} s`;
     $("scrub").value = this.time;
     $("rate").value = this.slow;
     $("play").textContent = this.playing ? "❚❚" : "▶";
-    $("shown").textContent = low > 0 || high < Infinity
-      ? `${shown} of ${run.count} balls: ${range}` : run.limited
+    $("colour").value = legend.by;
+    $("shown").textContent = ranges.length > 0
+      ? `${shown} of ${run.count} balls: ${ranges.join(", ")}` : run.limited
         ? `${run.count} of ${run.total} balls are shown` : "";
     for (const what of ["rotor", "drum", "balls"])
       $(what).setAttribute("aria-pressed", !this.hidden[what]);
@@ -212,7 +217,13 @@ class Player {
     this.change();
   }
 
-  // The address's #t=0.3&paused&turn=20&tilt=10&zoom=2&hide=drum,rotor&speeds=1:5&trail=3,8&rate=50&dark
+  paintBy(by) {
+    if (by in this.legend.kinds) this.legend.paintBy(by);
+    this.change();
+  }
+
+  // The address's #t=0.3&paused&turn=20&tilt=10&zoom=2&hide=drum,rotor&speeds=1:5&spins=0:900
+  // &trail=3,8&rate=50&colour=spin&dark
   obey(hash) {
     const given = new URLSearchParams(hash.slice(1)), camera = this.stage.camera;
     const number = (name, old) => Number.isFinite(parseFloat(given.get(name)))
@@ -221,10 +232,13 @@ class Player {
     if (given.has("dark")) document.body.classList.add("dark");
     for (const what of (given.get("hide") || "").split(","))
       if (what in this.hidden) this.hidden[what] = true;
-    if (given.has("speeds")) {
-      const [low, high] = given.get("speeds").split(":").map(parseFloat);
-      this.legend.bounds = [low || 0, high > 0 ? high : Infinity];
+    for (const axis of this.legend.axes) {
+      const range = given.get(`${axis.title.toLowerCase()}s`);
+      if (range === null) continue;
+      const [low, high] = range.split(":").map(parseFloat);
+      axis.bounds = [low || 0, high > 0 ? high : Infinity];
     }
+    if (given.has("colour")) this.paintBy(given.get("colour"));
     if (given.has("trail"))
       this.trails = given.get("trail").split(",").map(Number)
         .filter(b => Number.isInteger(b) && b >= 0 && b < this.run.count).slice(0, TRAIL.most);
@@ -240,6 +254,7 @@ class Player {
       this.go(Number($("scrub").value));
     };
     $("rate").onchange = () => this.slow = Number($("rate").value);
+    $("colour").onchange = () => this.paintBy($("colour").value);
     for (const what of ["rotor", "drum", "balls"]) $(what).onclick = () => this.toggle(what);
     $("night").onclick = () => this.night();
     $("about").onclick = () => $("help").showModal();
@@ -256,8 +271,12 @@ class Player {
         this.change();
       },
       s: () => {
-        this.legend.bounds = [0, Infinity];
+        this.legend.showAll();
         this.change();
+      },
+      c: () => {
+        const kinds = Object.keys(this.legend.kinds);
+        this.paintBy(kinds[(kinds.indexOf(this.legend.by) + 1) % kinds.length]);
       },
     };
     addEventListener("keydown", e => {
@@ -314,10 +333,9 @@ class Player {
   pick(x, y) {
     const canvas = $("stage"), {camera} = this.stage, {run} = this;
     const ray = camera.ray(2 * x / canvas.clientWidth - 1, 1 - 2 * y / canvas.clientHeight);
-    const [low, high] = this.legend.bounds;
     let best = -1, nearest = Infinity;
     for (let i = 0; i < run.count; i++) {
-      if (run.speed[i] < low || run.speed[i] > high) continue;
+      if (!this.legend.shows(i)) continue;
       const p = along([...run.place.subarray(3 * i, 3 * i + 3)], -1, camera.eye);
       const way = dot(p, ray), off = dot(p, p) - way * way, r = run.radius(i);
       if (off < r * r && way < nearest) {
@@ -357,6 +375,7 @@ try {
 } catch (trouble) {
   $("trouble").hidden = false;
   $("trouble").textContent = trouble.message;
+  document.querySelector(".bar").style.display = "none";
   document.body.dataset.ready = "no";
   throw trouble;
 }

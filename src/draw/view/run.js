@@ -11,6 +11,8 @@ class Run {
     Object.assign(this, JSON.parse(document.getElementById("head").textContent));
     const raw = bytesOf("frames").buffer, n = this.count;
     this.species = bytesOf("species");
+    this.spins = new Uint16Array(bytesOf("spins").buffer);
+    this.classes = bytesOf("classes");
     this.places = [];
     this.velocities = [];
     for (let k = 0; k < this.times.length; k++) {
@@ -21,6 +23,8 @@ class Run {
     this.last = this.times[this.times.length - 1];
     this.place = new Float32Array(3 * n);
     this.speed = new Float32Array(n);
+    this.spin = new Float32Array(n);
+    this.hit = new Uint8Array(n);
     this.step = this.high.map((h, a) => (h - this.low[a]) / 65535);
     this.size = this.high.map((h, a) => h - this.low[a]);
   }
@@ -99,9 +103,14 @@ class Run {
 
   // All balls.
   seek(time) {
-    const moment = this.moment(time);
-    for (let i = 0; i < this.count; i++)
-      this.speed[i] = this.ball(moment, i, this.place, 3 * i);
+    const moment = this.moment(time), {from, to, u} = moment, n = this.count;
+    for (let i = 0; i < n; i++) this.speed[i] = this.ball(moment, i, this.place, 3 * i);
+    if (this.spins.length > 0) {
+      const a = (1 - u) * this.spinScales[from], b = u * this.spinScales[to];
+      for (let i = 0; i < n; i++)
+        this.spin[i] = a * this.spins[from * n + i] + b * this.spins[to * n + i];
+    }
+    if (this.classes.length > 0) this.hit.set(this.classes.subarray(from * n, (from + 1) * n));
   }
 }
 

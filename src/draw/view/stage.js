@@ -194,44 +194,72 @@ function bladeModel(blade, time) {
 }
 
 // ---------------------------------------------------------------- programs
+// Written so that both WebGL 2 and WebGL 1 understand them, by the words that HEADS define. Without
+// DEPTH a ball is a disc in depth; balls are painted farthest first, so that only where one touches
+// metal can this be seen.
+const HEADS = {
+  2: {vertex: `#version 300 es
+precision highp float;
+#define attribute in
+#define varying out
+#define FLAT flat
+`, fragment: `#version 300 es
+precision highp float;
+#define varying in
+#define FLAT flat
+#define DEPTH gl_FragDepth
+#define gl_FragColor paint
+out vec4 paint;
+`},
+  1: {vertex: `precision highp float;
+#define FLAT
+`, fragment: `#extension GL_EXT_frag_depth : enable
+#ifdef GL_EXT_frag_depth
+#define DEPTH gl_FragDepthEXT
+#endif
+#ifdef GL_FRAGMENT_PRECISION_HIGH
+precision highp float;
+#else
+precision mediump float;
+#endif
+#define FLAT
+`}};
+
 const sphereVertex = `
-layout(location = 0) in vec4 sphere;
-layout(location = 1) in vec4 occlusion;
-layout(location = 2) in vec4 colour;
+attribute vec2 corner;
+attribute vec4 sphere, occlusion, colour;
 uniform mat4 view, projection;
-flat out vec3 centre;
-flat out float radius;
-flat out vec4 shade;
-flat out vec3 base;
-out vec3 start;
-out vec2 place;
+uniform float pixel;
+FLAT varying vec3 centre, base;
+FLAT varying float radius, edge;
+FLAT varying vec4 shade;
+varying vec3 start;
+varying vec2 place;
 void main() {
   centre = (view * vec4(sphere.xyz, 1.0)).xyz;
   radius = sphere.w;
-  shade = vec4(mat3(view) * occlusion.xyz, occlusion.w);
+  shade = vec4((view * vec4(occlusion.xyz, 0.0)).xyz, occlusion.w);
   base = colour.rgb * colour.rgb;
-  place = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * 1.06;
-  // The circle in which the tangent cone from the eye touches.
+  // The circle in which the tangent cone from the eye touches, and how wide a pixel is in it.
   vec3 back = -normalize(centre);
   float q = radius * radius / dot(centre, centre);
-  vec3 right = normalize(vec3(back.z, 0, -back.x));
+  vec3 right = normalize(vec3(back.z, 0.0, -back.x));
   float size = radius * sqrt(1.0 - min(q, 0.999));
+  edge = max(pixel * length(centre) / size, 1e-6);
+  place = corner * (1.0 + edge);
   start = -q * centre + size * (place.x * right + place.y * cross(back, right));
   gl_Position = projection * vec4(centre + start, 1.0);
 }`;
 
 const sphereFragment = `
-flat in vec3 centre;
-flat in float radius;
-flat in vec4 shade;
-flat in vec3 base;
-in vec3 start;
-in vec2 place;
+FLAT varying vec3 centre, base;
+FLAT varying float radius, edge;
+FLAT varying vec4 shade;
+varying vec3 start;
+varying vec2 place;
 uniform mat4 projection;
-out vec4 colour;
 void main() {
-  float away = length(place);
-  float cover = clamp(0.5 + (1.0 - away) / max(fwidth(away), 1e-6), 0.0, 1.0);
+  float cover = clamp(0.5 + (1.0 - length(place)) / edge, 0.0, 1.0);
   if (cover <= 0.0) discard;
   vec3 u = normalize(centre + start);
   float b = dot(start, u);
@@ -239,54 +267,60 @@ void main() {
   vec3 hit = start - (b + sqrt(disc)) * u;
   vec3 n = normalize(hit);
   float open = 1.0 / (1.0 + 1.7 * max(shade.w + dot(shade.xyz, n), 0.0));
-  colour = vec4(min(sqrt(lit(base, n, -u, open, 0.16)), vec3(1.0)), 1.0) * cover;
+  gl_FragColor = vec4(min(sqrt(lit(base, n, -u, open, 0.16)), vec3(1.0)), 1.0) * cover;
+#ifdef DEPTH
   float z = centre.z + hit.z;
-  gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * z + projection[3][2]) / z;
+  DEPTH = 0.5 - 0.5 * (projection[2][2] * z + projection[3][2]) / z;
+#endif
 }`;
 
 const solidVertex = `
-layout(location = 0) in vec3 place;
-layout(location = 1) in vec3 normal;
+attribute vec3 spot, normal;
 uniform mat4 model, view, projection;
-out vec3 at, n;
+varying vec3 at, n;
 void main() {
   mat4 all = view * model;
-  vec4 p = all * vec4(place, 1.0);
+  vec4 p = all * vec4(spot, 1.0);
   at = p.xyz;
-  n = mat3(all) * normal;
+  n = (all * vec4(normal, 0.0)).xyz;
   gl_Position = projection * p;
 }`;
 
 const solidFragment = `
-in vec3 at, n;
+varying vec3 at, n;
 uniform vec3 base;
 uniform int glass;
-out vec4 colour;
 void main() {
   vec3 v = normalize(-at), m = normalize(n);
   if (dot(m, v) < 0.0) m = -m;
   if (glass == 0) {
-    colour = vec4(min(sqrt(lit(base * base, m, v, 1.0, 0.35)), vec3(1.0)), 1.0);
+    gl_FragColor = vec4(min(sqrt(lit(base * base, m, v, 1.0, 0.35)), vec3(1.0)), 1.0);
     return;
   }
   float edge = 1.0 - dot(m, v), alpha = 0.035 + 0.42 * edge * edge * edge;
   float s = pow(max(dot(m, normalize(KEY + v)), 0.0), 128.0);
-  colour = vec4(base * alpha, alpha) + vec4(0.07 * s);
+  gl_FragColor = vec4(base * alpha, alpha) + vec4(0.07 * s);
 }`;
 
+// Where attributes are: those of balls, and those of solids, so that neither meets the other's.
+const SPOTS = {corner: 0, sphere: 1, occlusion: 2, colour: 3, spot: 0, normal: 4};
+
 class Program {
-  constructor(gl, light, vertex, fragment) {
+  constructor(gl, version, light, vertex, fragment) {
     this.gl = gl;
     this.program = gl.createProgram();
-    const head = "#version 300 es\nprecision highp float;\nprecision highp int;\n";
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, light + fragment]]) {
+    const heads = HEADS[version];
+    for (const [kind, text] of [[gl.VERTEX_SHADER, heads.vertex + vertex],
+                                [gl.FRAGMENT_SHADER, heads.fragment + light + fragment]]) {
       const shader = gl.createShader(kind);
-      gl.shaderSource(shader, head + text);
+      gl.shaderSource(shader, text);
       gl.compileShader(shader);
       if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
         throw new Error(gl.getShaderInfoLog(shader));
       gl.attachShader(this.program, shader);
     }
+    for (const name of vertex.match(/attribute [^;]*/g).join(" ").match(/\w+/g))
+      if (name in SPOTS) gl.bindAttribLocation(this.program, SPOTS[name], name);
     gl.linkProgram(this.program);
     if (!gl.getProgramParameter(this.program, gl.LINK_STATUS))
       throw new Error(gl.getProgramInfoLog(this.program));
@@ -305,51 +339,118 @@ class Program {
   }
 }
 
+// ---------------------------------------------------------------- balls
+const CORNERS = [-1, -1, 1, -1, -1, 1, 1, 1];
+
+// One instance of four corners per ball.
+class Instances {
+  constructor(stage) {
+    const {gl} = stage;
+    this.stage = stage;
+    this.corner = stage.buffer(new Float32Array(CORNERS));
+    this.data = [gl.createBuffer(), gl.createBuffer(), gl.createBuffer()];
+  }
+
+  draw(sphere, law, rgba, count) {
+    const {stage} = this, {gl} = stage;
+    stage.attribute("corner", this.corner, 2);
+    [["sphere", sphere], ["occlusion", law], ["colour", rgba]].forEach(([name, array], k) => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.data[k]);
+      gl.bufferData(gl.ARRAY_BUFFER, array.subarray(0, 4 * count), gl.STREAM_DRAW);
+      stage.attribute(name, this.data[k], 4, {bytes: k === 2});
+      gl.vertexAttribDivisor(SPOTS[name], 1);
+    });
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+  }
+}
+
+// For WebGL 1: every ball's data four times, as many balls at once as 16-bit indices can tell.
+class Copies {
+  constructor(stage) {
+    const {gl} = stage, most = Copies.MOST;
+    const corner = new Float32Array(8 * most), index = new Uint16Array(6 * most);
+    for (let k = 0; k < most; k++) {
+      corner.set(CORNERS, 8 * k);
+      index.set([0, 1, 2, 2, 1, 3].map(c => 4 * k + c), 6 * k);
+    }
+    this.stage = stage;
+    this.corner = stage.buffer(corner);
+    this.index = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.index);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, index, gl.STATIC_DRAW);
+    this.data = [gl.createBuffer(), gl.createBuffer(), gl.createBuffer()];
+    this.room = [new Float32Array(16 * most), new Float32Array(16 * most),
+                 new Uint8Array(16 * most)];
+  }
+
+  draw(sphere, law, rgba, count) {
+    const {stage, room} = this, {gl} = stage;
+    stage.attribute("corner", this.corner, 2);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.index);
+    for (let first = 0; first < count; first += Copies.MOST) {
+      const n = Math.min(count - first, Copies.MOST);
+      [["sphere", sphere], ["occlusion", law], ["colour", rgba]].forEach(([name, array], k) => {
+        for (let i = 0; i < 16 * n; i++) room[k][i] = array[4 * (first + (i >> 4)) + (i & 3)];
+        gl.bindBuffer(gl.ARRAY_BUFFER, this.data[k]);
+        gl.bufferData(gl.ARRAY_BUFFER, room[k].subarray(0, 16 * n), gl.STREAM_DRAW);
+        stage.attribute(name, this.data[k], 4, {bytes: k === 2});
+      });
+      gl.drawElements(gl.TRIANGLES, 6 * n, gl.UNSIGNED_SHORT, 0);
+    }
+  }
+}
+Copies.MOST = 16384;
+
 // ---------------------------------------------------------------- stage
 class Stage {
   constructor(canvas, run) {
-    const gl = canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
-    if (!gl) throw new Error("This browser offers no WebGL 2, which the picture needs.");
+    const wish = {antialias: true, preserveDrawingBuffer: true};
+    let gl = canvas.getContext("webgl2", wish);
+    this.version = gl ? 2 : 1;
+    if (!gl) gl = canvas.getContext("webgl", wish);
+    if (!gl)
+      throw new Error("This browser offers no WebGL, which the picture needs. It may be switched " +
+                      "off in its settings, or want another graphics driver.");
     this.canvas = canvas;
     this.gl = gl;
     this.camera = new Camera();
     this.machine = new Machine(run);
     this.run = run;
-    this.room = 0;
     this.prepare();
   }
 
   // Everything that lives on the graphics card; again when its context was lost.
   prepare() {
-    const gl = this.gl;
-    this.spheres = new Program(gl, this.run.light, sphereVertex, sphereFragment);
-    this.solids = new Program(gl, this.run.light, solidVertex, solidFragment);
-    this.solidArray = this.array(new Float32Array(this.machine.mesh.data), [3, 3]);
-    this.sphereArray = gl.createVertexArray();
-    this.sphereBuffers = [gl.createBuffer(), gl.createBuffer(), gl.createBuffer()];
-    gl.bindVertexArray(this.sphereArray);
-    this.sphereBuffers.forEach((buffer, k) => {
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      gl.enableVertexAttribArray(k);
-      if (k < 2) gl.vertexAttribPointer(k, 4, gl.FLOAT, false, 16, 0);
-      else gl.vertexAttribPointer(k, 4, gl.UNSIGNED_BYTE, true, 4, 0);
-      gl.vertexAttribDivisor(k, 1);
-    });
+    const {gl, version} = this, {light} = this.run;
+    if (version === 1) gl.getExtension("EXT_frag_depth");
+    this.spheres = new Program(gl, version, light, sphereVertex, sphereFragment);
+    this.solids = new Program(gl, version, light, solidVertex, solidFragment);
+    this.mesh = this.buffer(new Float32Array(this.machine.mesh.data));
+    this.painter = version === 2 ? new Instances(this) : new Copies(this);
     gl.enable(gl.DEPTH_TEST);
     gl.clearColor(0, 0, 0, 0);
   }
 
-  array(data, sizes) {
-    const gl = this.gl, array = gl.createVertexArray(), stride = 4 * sizes.reduce((a, b) => a + b);
-    gl.bindVertexArray(array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+  buffer(data) {
+    const {gl} = this, buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-    sizes.reduce((offset, size, k) => {
-      gl.enableVertexAttribArray(k);
-      gl.vertexAttribPointer(k, size, gl.FLOAT, false, stride, offset);
-      return offset + 4 * size;
-    }, 0);
-    return array;
+    return buffer;
+  }
+
+  // Numbers as they are; bytes as shares of 255.
+  attribute(name, buffer, size, {stride = 0, offset = 0, bytes = false} = {}) {
+    const {gl} = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(SPOTS[name]);
+    gl.vertexAttribPointer(SPOTS[name], size, bytes ? gl.UNSIGNED_BYTE : gl.FLOAT, bytes, stride,
+                           offset);
+  }
+
+  useSolids() {
+    this.solids.use(this.camera);
+    this.attribute("spot", this.mesh, 3, {stride: 24});
+    this.attribute("normal", this.mesh, 3, {stride: 24, offset: 12});
   }
 
   begin() {
@@ -372,10 +473,8 @@ class Stage {
   }
 
   metal(time, hidden) {
-    const {gl, solids} = this;
-    solids.use(this.camera);
-    gl.bindVertexArray(this.solidArray);
-    gl.uniform1i(solids.place.glass, 0);
+    this.useSolids();
+    this.gl.uniform1i(this.solids.place.glass, 0);
     this.parts(time, kind => kind === "ring" ? !hidden.drum : kind !== "glass" && !hidden.rotor);
   }
 
@@ -384,23 +483,17 @@ class Stage {
     const {gl} = this;
     if (count === 0) return;
     this.spheres.use(this.camera);
-    gl.bindVertexArray(this.sphereArray);
-    [sphere.subarray(0, 4 * count), law.subarray(0, 4 * count), rgba.subarray(0, 4 * count)]
-      .forEach((data, k) => {
-        gl.bindBuffer(gl.ARRAY_BUFFER, this.sphereBuffers[k]);
-        gl.bufferData(gl.ARRAY_BUFFER, data, gl.STREAM_DRAW);
-      });
+    gl.uniform1f(this.spheres.place.pixel, 2 / (this.camera.axes.lens * this.canvas.height));
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    this.painter.draw(sphere, law, rgba, count);
     gl.disable(gl.BLEND);
   }
 
   glass() {
-    const {gl, solids} = this;
-    solids.use(this.camera);
-    gl.bindVertexArray(this.solidArray);
-    gl.uniform1i(solids.place.glass, 1);
+    const {gl} = this;
+    this.useSolids();
+    gl.uniform1i(this.solids.place.glass, 1);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
