@@ -11,6 +11,7 @@ with socket.socket() as s:
 driver = subprocess.Popen(["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL)
 number = failed = 0
+session = None
 
 
 def ask(method, path, body=None):
@@ -41,6 +42,7 @@ def main(profile):
              "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
              "--disable-background-networking", "--disable-component-update", "--disable-sync",
              "--window-size=1280,860", f"--user-data-dir={profile}"]
+    global session
     session = "/session/" + ask("POST", "/session", {"capabilities": {"alwaysMatch": {
         "browserName": "chrome", "goog:chromeOptions": {"args": flags},
         "goog:loggingPrefs": {"browser": "ALL"}}}})["sessionId"]
@@ -196,7 +198,6 @@ def main(profile):
           "a browser without WebGL is told so")
     if folder:
         shoot(f"{folder}/none.png")
-    ask("DELETE", session)
 
 
 try:
@@ -204,6 +205,8 @@ try:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         main(profile)
 finally:
+    if session:
+        ask("DELETE", session)  # ends the browser
     driver.terminate()
     driver.wait()
 print(f"# {number} checks in the browser")
