@@ -100,14 +100,18 @@ static enum em_status make(const struct em_millpost_look *look, const struct em_
   struct em_film_options options = {0};
   const enum em_status ready = set_up(&options, reel, look, run, err);
   if (ready != EM_OK) return ready;
-  struct sigaction old, action = {.sa_handler = on_signal};
-  sigaction(SIGINT, &action, &old);
+  static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+  enum { SIGNALS = sizeof signals / sizeof *signals };
+  struct sigaction old[SIGNALS], action = {.sa_handler = on_signal};
+  for (int k = 0; k < SIGNALS; k++)
+    sigaction(signals[k], &action, &old[k]);
   reel->progress = em_progress_new(look->quiet);
   clock_gettime(CLOCK_MONOTONIC, &reel->begin);
   const enum em_status status =
       em_film_make(out, em_run_file_scene(run), &options, state_at, reel, show_progress, reel, err);
   em_progress_end(reel->progress);
-  sigaction(SIGINT, &old, NULL);
+  for (int k = 0; k < SIGNALS; k++)
+    sigaction(signals[k], &old[k], NULL);
   const double wall = seconds_since(&reel->begin);
   if (status == EM_OK && !look->quiet)
     fprintf(stderr, "%s: %zu frames of %d x %d in %.1f s, %.1f frames/s\n", out, options.frames,

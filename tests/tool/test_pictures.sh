@@ -61,12 +61,38 @@ expect 2 "the run has frames" "--from after --to" "$post" film "$run" --from 0.0
 (cd "$work" && "$post" film run.h5 --size 64x64 --quiet)
 is "named after the run" 0 "$([ -s "$work/run.mp4" ]; echo $?)"
 
-"$post" film "$run" --size 1280x720 --slow 50000 -o "$work/long.mp4" 2>"$work/err" &
-pid=$!
-sleep 2
-kill -INT $pid 2>>"$work/err"
-wait $pid
-is "an interrupted film" 1 $?
-is "leaves nothing" "" "$(find "$work" -name 'long*')"
+for signal in INT TERM HUP; do
+  "$post" film "$run" --size 1280x720 --slow 50000 -o "$work/long.mp4" 2>"$work/err" &
+  pid=$!
+  for _ in $(seq 100); do [ -s "$work/long.mp4.part" ] && break; sleep 0.1; done
+  kill -$signal $pid
+  wait $pid
+  is "a film interrupted by SIG$signal" 1 $?
+  is "leaves nothing" "" "$(find "$work" -name 'long*')"
+done
+
+# ---------------------------------------------------------------- damaged files
+# A run file cut short, one with a stretch of noise in it, one that is no run: an error that names the
+# file, no crash, and nothing written.
+size=$(stat -c %s "$run")
+cp "$run" "$work/noise.h5"
+for part in 10 30 50 70 90; do
+  dd if=/dev/urandom of="$work/noise.h5" bs=1 seek=$((size * part / 100)) count=2000 conv=notrunc status=none
+done
+head -c $((size / 2)) "$run" >"$work/short.h5"
+: >"$work/empty.h5"
+for command in "frame --size 64x64 -o $work/x.png" "film --size 64x64 -o $work/x.mp4" \
+  "view -o $work/x.html" "export --to vtk -o $work/x.pvd" "export --to csv -o $work/x.csv"; do
+  for file in short empty; do
+    # shellcheck disable=SC2086
+    expect 1 "$file.h5" "${command%% *} of a damaged file ($file)" \
+      "$post" ${command%% *} "$work/$file.h5" ${command#* }
+  done
+  is "which leaves nothing" "" "$(find "$work" -name 'x[.-]*')"
+  # shellcheck disable=SC2086
+  "$post" ${command%% *} "$work/noise.h5" ${command#* } >"$work/out" 2>"$work/err"
+  is "${command%% *} of a file with noise ends in order" yes "$([ $? -le 2 ] && echo yes)"
+  rm -f "$work"/x[.-]*
+done
 
 finish
