@@ -58,8 +58,8 @@ struct em_summary {
                           of potential energy. NAN when gravity acts across a periodic
                           boundary */
   uint64_t tc, elastic, jam; /* contacts on which a remedy acted */
-  char warning[256];         /* that a mill turns too slowly to hold its balls up, or empty; a run
-                                that is done has it as its message */
+  char warning[300];         /* that a mill turns too slowly to hold its balls up, or that balls
+                                collapsed; or empty. A run that is done has it as its message */
 };
 
 /* Runs the scene. The file is valid at every moment; errors that come after its creation leave it
