@@ -189,22 +189,24 @@ double em_field_values(const struct em_field *field, size_t cell) {
   return sum;
 }
 
-/* A ratio Σ a_g / Σ b_g over groups of time, with the error of a ratio of sums. */
+/* A ratio Σ a_g / Σ b_g over groups of time, with the error of a ratio of sums; groups without
+ * values tell nothing. */
 static struct em_interval ratio(const double *a, const double *b, size_t groups, double level) {
-  struct em_interval out = {NAN, NAN, NAN, (double)groups - 1.0, 1.0};
-  double sa = 0.0, sb = 0.0, scatter = 0.0;
+  double sa = 0.0, sb = 0.0, scatter = 0.0, filled = 0.0;
   for (size_t g = 0; g < groups; g++) {
     sa += a[g];
     sb += b[g];
+    filled += b[g] > 0.0;
   }
+  struct em_interval out = {NAN, NAN, NAN, filled - 1.0, 1.0};
   if (!(sb > 0.0)) return out;
   out.value = sa / sb;
-  if (groups < 2) return out;
+  if (filled < 2.0) return out;
   for (size_t g = 0; g < groups; g++) {
     const double d = a[g] - out.value * b[g];
     scatter += d * d;
   }
-  out.error = sqrt(scatter * (double)groups / ((double)groups - 1.0)) / sb;
+  out.error = sqrt(scatter * filled / (filled - 1.0)) / sb;
   out.half = em_interval_student(level, out.freedom) * out.error;
   return out;
 }

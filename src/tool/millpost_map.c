@@ -132,8 +132,8 @@ static void facts(struct em_report *report, const struct em_field *field,
                       em_field_unit(field->of));
   em_window_report(report, window);
   if (cells->kind == EM_CELLS_SECTORS)
-    em_report_fact_text(report, "cells_kind", "cells", "%zu sectors in %zu tubes, %zu slices",
-                        cells->count, cells->tubes, cells->slices);
+    em_report_fact_text(report, "cells_kind", "cells", "%zu sectors in %zu tubes, %zu slice%s",
+                        cells->count, cells->tubes, cells->slices, cells->slices > 1 ? "s" : "");
   else
     em_report_fact_text(report, "cells_kind", "cells", "%zu rings, %zu radial × %zu axial",
                         cells->count, cells->tubes, cells->columns);
@@ -154,8 +154,9 @@ static double picked(const struct shown *cell, const struct em_millpost_options 
   return cell->value;
 }
 
-/* The cells of one slice; rings twice, mirrored at the axis. */
-static size_t fill(struct em_plot_cell *out, const struct em_field *field,
+/* The cells of one slice, and how many values stand behind each; rings twice, mirrored at the axis.
+ */
+static size_t fill(struct em_plot_cell *out, double *values, const struct em_field *field,
                    const struct em_field *minus, const struct em_millpost_options *o,
                    size_t slice) {
   const struct em_cells *cells = field->cells;
@@ -166,12 +167,14 @@ static size_t fill(struct em_plot_cell *out, const struct em_field *field,
     const double value = picked(&cell, o);
     double low[3], high[3];
     em_cells_bounds(cells, k, low, high);
+    values[count] = cell.values;
     if (cells->kind == EM_CELLS_SECTORS) {
       out[count++] = (struct em_plot_cell){{low[0], low[1]}, {high[0], high[1]}, value};
       continue;
     }
     out[count++] =
         (struct em_plot_cell){{1e3 * low[2], 1e3 * low[0]}, {1e3 * high[2], 1e3 * high[0]}, value};
+    values[count] = cell.values;
     out[count++] = (struct em_plot_cell){
         {1e3 * low[2], -1e3 * high[0]}, {1e3 * high[2], -1e3 * low[0]}, value};
   }
@@ -183,20 +186,23 @@ static size_t fill(struct em_plot_cell *out, const struct em_field *field,
   return count;
 }
 
-/* Colours from the 0.5 % to the 99.5 % quantile: single cells with few values do not set the scale.
- */
-static void colour_range(const struct em_plot_cell *cell, size_t count, bool diverging, double *low,
-                         double *high) {
-  double *value = malloc((count + 1) * sizeof *value);
+/* Colours from the 0.5 % to the 99.5 % quantile of the cells that hold at least so many values: the
+ * others scatter too much to set the scale. */
+enum { LEAST_VALUES = 10 };
+
+static void colour_range(struct em_plot_map *map, const double *values) {
+  double *value = malloc((map->cell_count + 1) * sizeof *value);
   size_t n = 0;
-  *low = *high = 0.0;
+  map->low = map->high = 0.0;
   if (!value) return;
-  for (size_t k = 0; k < count; k++)
-    if (isfinite(cell[k].value)) value[n++] = diverging ? fabs(cell[k].value) : cell[k].value;
+  for (int least = LEAST_VALUES; n == 0 && least >= 0; least -= LEAST_VALUES)
+    for (size_t k = 0; k < map->cell_count; k++)
+      if (isfinite(map->cell[k].value) && values[k] >= least)
+        value[n++] = map->diverging ? fabs(map->cell[k].value) : map->cell[k].value;
   if (n > 0) {
     gsl_sort(value, 1, n);
-    *high = em_sample_quantile(value, n, 0.995);
-    *low = diverging ? -*high : em_sample_quantile(value, n, 0.005);
+    map->high = em_sample_quantile(value, n, 0.995);
+    map->low = map->diverging ? -map->high : em_sample_quantile(value, n, 0.005);
   }
   free(value);
 }
@@ -235,7 +241,12 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
   char title[160], value[160], subtitle[320];
   struct em_plot_map map = {.width = 0};
   struct em_plot_cell *cell = malloc(2 * field->cells->per_slice * sizeof *cell);
-  if (!cell) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  double *values = malloc(2 * field->cells->per_slice * sizeof *values);
+  if (!cell || !values) {
+    free(cell);
+    free(values);
+    return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  }
   titles(&map, field, minus, o, title, value, sizeof title);
   em_plot_subtitle(em_run_file_scene(run), subtitle, sizeof subtitle);
   if (minus) {
@@ -251,11 +262,12 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
   }
   map.subtitle = subtitle;
   map.cell = cell;
-  map.cell_count = fill(cell, field, minus, o, slice);
-  colour_range(cell, map.cell_count, map.diverging, &map.low, &map.high);
+  map.cell_count = fill(cell, values, field, minus, o, slice);
+  colour_range(&map, values);
   if (map.log_value && !(map.low > 0.0)) map.low = map.high = 0.0;
   const enum em_status status = em_plot_map(&map, path, err);
   free(cell);
+  free(values);
   return status;
 }
 

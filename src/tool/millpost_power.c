@@ -195,6 +195,11 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
       lost[k] += em_balance_dissipated_at(b, j) / (double)group;
     }
   }
+  double low = 0.0, high = 0.0;
+  for (size_t k = 0; k < 3 * points; k++) {
+    low = fmin(low, torque[k]);
+    high = fmax(high, torque[k]);
+  }
   const struct em_plot_series series[] = {
       {.name = "dissipated", .style = EM_PLOT_LINE, .count = points, .x = t, .y = lost},
       {.name = "blades, by torque", .style = EM_PLOT_LINE, .count = points, .x = t, .y = torque},
@@ -209,6 +214,8 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
                                .subtitle = subtitle,
                                .x_label = "time  [s]",
                                .y_label = "power  [W]",
+                               .y_low = 1.1 * low,
+                               .y_high = 1.3 * high, /* room for the names */
                                .series_count = b->blades > 0 ? 3 : 1,
                                .series = series};
   const enum em_status status = em_plot_draw(&plot, path, err);

@@ -225,21 +225,29 @@ static void pad(FILE *out, int count) {
     fputc(' ', out);
 }
 
-/* value ± half with two digits of half, both with the same number of decimals. */
+/* value ± half with two digits of half, both with the same number of decimals; "(3.7 ± 3.1)e-06"
+ * for what is small or large. */
 static void show_interval(char *text, size_t size, double value, double half) {
-  const int place = half > 0.0 ? (int)floor(log10(half)) - 1 : 0;
-  const bool plain = half > 0.0 && fabs(value) < 1e9 && fabs(value) + half >= 1e-3 && place > -12;
-  if (!plain) {
+  const double most = fmax(fabs(value), half);
+  if (!(half > 0.0) || half < 1e-9 * most) {
     snprintf(text, size, "%.4g ± %.2g", value, half);
     return;
   }
+  const bool plain = most >= 1e-3 && most < 1e9;
+  const int power = plain ? 0 : (int)floor(log10(most)),
+            place = (int)floor(log10(half)) - 1 - power;
+  const double scale = pow(10.0, -power), unit = pow(10.0, place);
   const int decimals = place < 0 ? -place : 0;
+  value *= scale;
+  half *= scale;
   if (place > 0) {
-    const double unit = pow(10.0, place);
     value = round(value / unit) * unit;
     half = round(half / unit) * unit;
   }
-  snprintf(text, size, "%.*f ± %.*f", decimals, value, decimals, half);
+  if (plain)
+    snprintf(text, size, "%.*f ± %.*f", decimals, value, decimals, half);
+  else
+    snprintf(text, size, "(%.*f ± %.*f)e%+03d", decimals, value, decimals, half, power);
 }
 
 static void show(char *text, size_t size, const struct cell *cell) {
@@ -298,7 +306,10 @@ static void print_part_text(const struct part *part, FILE *out) {
     const int w = width_of(text), c = (int)(k % part->columns);
     if (w > width[c]) width[c] = w;
   }
-  for (int line = 0; line < 2; line++)
+  bool units = false;
+  for (size_t k = 0; k < part->columns; k++)
+    units = units || *part->column[k].unit;
+  for (int line = 0; line < (units ? 2 : 1); line++)
     for (size_t k = 0; k < part->columns; k++)
       aligned(out, line ? part->column[k].unit : part->column[k].heading, width[k],
               is_left(part, k), k + 1 == part->columns);
