@@ -1,4 +1,5 @@
 /* A scene pays only for the effects that it calls for: bytes per ball, and the loop's variant. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -61,11 +62,71 @@ static void test_variants(void **state) {
             EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR | EM_LOOP_EXTRA);
 }
 
+/* What is not called for may hold anything: the loop does not read it. (Partitions do: to them, no
+ * gravity is a gravity of 0.) */
+static void spoil(struct trial *t, struct em_scene *scene) {
+  struct em_world *w = t->world;
+  const struct em_vec none = {NAN, NAN, NAN};
+  *scene = *w->scene;
+  if (!(w->loop->flags & EM_LOOP_GRAVITY)) {
+    w->gravity = none;
+    w->fall = NAN;
+  }
+  if (!(w->loop->flags & EM_LOOP_PERIODIC)) w->period = w->per_period = none;
+  if (!(w->loop->flags & EM_LOOP_EXTRA)) {
+    w->drum_omega = NAN;
+    scene->remedy.tc = scene->remedy.elastic_below = INFINITY;
+    scene->remedy.jam_after = 1;
+    scene->chamber.ramp_tilt = scene->chamber.ramp_half = 1.0;
+    scene->chamber.rpm = NAN;
+    scene->engine.roots.tolerance = scene->engine.roots.shortcut = NAN;
+  }
+  scene->gravity = none;
+  w->scene = scene;
+}
+
+static void test_unread(void **state) {
+  (void)state;
+  static const char *const words[] = {"", "gravity=[0.0,0.0,-9.81]", "contact.rule=rough",
+                                      "contact.rule=friction contact.normal=spahn"};
+  for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+    struct trial clean, spoilt;
+    struct em_scene scene;
+    trial_open(&clean, GAS, "balls.count=200 engine.partition=none %s", words[k]);
+    trial_open(&spoilt, GAS, "balls.count=200 engine.partition=none %s", words[k]);
+    spoil(&spoilt, &scene);
+    trial_collide(&clean, 5000);
+    trial_collide(&spoilt, 5000);
+    assert_true(trail_of_state(clean.world) == trail_of_state(spoilt.world));
+    spoilt.world->scene = spoilt.scene;
+    trial_free(&clean);
+    trial_free(&spoilt);
+  }
+}
+
+static double bytes(const char *scene, const char *overrides) {
+  struct trial t;
+  trial_open(&t, scene, "%s", overrides);
+  const double bytes = em_world_bytes_per_ball(t.world);
+  trial_free(&t);
+  return bytes;
+}
+
+/* Of all effects, only spins and masses that differ have bytes per ball. */
+static void test_bytes(void **state) {
+  (void)state;
+  static const char *const free[] = {"gravity=[0.0,0.0,-9.81]", "contact.normal=spahn",
+                                     "remedy.tc=1e-6", "remedy.jam_after=5", "chamber.rpm=10"};
+  const double plain = bytes(GAS, "");
+  for (size_t k = 0; k < sizeof free / sizeof *free; k++)
+    assert_true(bytes(GAS, free[k]) == plain);
+  assert_true(bytes(GAS, "contact.rule=friction") == plain + sizeof(struct em_vec));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_spins),
-      cmocka_unit_test(test_masses),
-      cmocka_unit_test(test_variants),
+      cmocka_unit_test(test_spins),  cmocka_unit_test(test_masses), cmocka_unit_test(test_variants),
+      cmocka_unit_test(test_unread), cmocka_unit_test(test_bytes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,7 +19,8 @@
 #define CASES 5000
 #endif
 
-static const struct em_roots best = {.polish = EM_POLISH_QUAD};
+/* The levels reference and standard. */
+static const struct em_roots best = {.polish = EM_POLISH_QUAD}, usual = {.polish = EM_POLISH_NONE};
 static struct certify sure;
 static struct certify_bar bar;
 
@@ -40,6 +41,7 @@ static struct em_vec in_box(double half) {
 struct tally {
   long contacts, none, rounded; /* rounded: to the nearest double */
   double worst;                 /* ulp */
+  double usual;                 /* s by which `standard` differs at most */
 };
 
 static void tell(const char *name, const struct tally *tally) {
@@ -47,6 +49,16 @@ static void tell(const char *name, const struct tally *tally) {
          "nearest\n",
          name, tally->contacts, tally->none, tally->worst,
          100.0 * (1.0 - (double)tally->rounded / (double)tally->contacts));
+  if (tally->usual > 0.0)
+    printf("  %-8s standard: none missed, none invented; at most %.2g s away\n", "", tally->usual);
+}
+
+/* The level standard finds the same contact, or none as well. */
+static void hold_usual(struct tally *tally, double t, double sure) {
+  assert_true((t < INFINITY) == (sure < INFINITY));
+  if (t == sure) return;
+  assert_true(fabs(t - sure) <= 1e-6 * sure + 1e-14);
+  tally->usual = fmax(tally->usual, fabs(t - sure));
 }
 
 /* Gaps at t and its neighbours. */
@@ -158,7 +170,9 @@ static void planes(void **state) {
     certify_add(&sure, 0, -gap, 1.0);
     certify_add(&sure, 1, -rate, 1.0);
     certify_add(&sure, 2, -0.5 * fall, 1.0);
-    settle_root(&tally, em_surface_roots_plane(&best, gap, rate, fall, false), 1e3);
+    const double t = em_surface_roots_plane(&best, gap, rate, fall, false);
+    settle_root(&tally, t, 1e3);
+    hold_usual(&tally, em_surface_roots_plane(&usual, gap, rate, fall, false), t);
   }
   tell("planes", &tally);
 }
@@ -189,6 +203,7 @@ static void drums(void **state) {
     }
     const double t = em_surface_roots_drum(&best, p, v, g, rho, 0.0025, touched, INFINITY);
     settle_root(&tally, t, 10.0);
+    hold_usual(&tally, em_surface_roots_drum(&usual, p, v, g, rho, 0.0025, touched, INFINITY), t);
   }
   tell("drums", &tally);
 }
@@ -228,9 +243,14 @@ static void bounce(double t) {
   bar.touched = vn < -1e-2;
 }
 
+static double search(const struct em_roots *how) {
+  return em_surface_roots_blade(how, &bar.blade, bar.r, bar.v, bar.g, bar.radius, bar.angle,
+                                bar.touched, HORIZON, NULL);
+}
+
 static double fly(struct tally *tally) {
-  const double t = em_surface_roots_blade(&best, &bar.blade, bar.r, bar.v, bar.g, bar.radius,
-                                          bar.angle, bar.touched, HORIZON, NULL);
+  const double t = search(&best);
+  hold_usual(tally, search(&usual), t);
   if (t < INFINITY) {
     certify_bar_begin(&bar);
     const double low = certify_bar_gap(&bar, nextafter(t, -INFINITY));
