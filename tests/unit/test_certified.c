@@ -54,11 +54,11 @@ static void tell(const char *name, const struct tally *tally) {
 }
 
 /* The level standard finds the same contact, or none as well. */
-static void hold_usual(struct tally *tally, double t, double sure) {
-  assert_true((t < INFINITY) == (sure < INFINITY));
-  if (t == sure) return;
-  assert_true(fabs(t - sure) <= 1e-6 * sure + 1e-14);
-  tally->usual = fmax(tally->usual, fabs(t - sure));
+static void hold_usual(struct tally *tally, double t, double truth) {
+  assert_true((t < INFINITY) == (truth < INFINITY));
+  if (t == truth) return;
+  assert_true(fabs(t - truth) <= 1e-6 * truth + 1e-14);
+  tally->usual = fmax(tally->usual, fabs(t - truth));
 }
 
 /* Gaps at t and its neighbours. */
