@@ -179,12 +179,15 @@ setup:
 check: setup
 	@$(submake) run-tests
 
+# Long tests get hours, each of them.
+TEST_TIMEOUT_LONG ?= 28800
 check-long: setup
-	@$(submake) run-tests LONG=1
+	@TEST_TIMEOUT=$(TEST_TIMEOUT_LONG) $(submake) run-tests LONG=1
 
 # The long form of the hard cases, and their table (docs/stability.md).
 hard: setup
-	@$(submake) run-tests LONG=1 T=tests/hard/test_long_; status=$$?; \
+	@TEST_TIMEOUT=$(TEST_TIMEOUT_LONG) $(submake) run-tests LONG=1 T=tests/hard/test_long_; \
+	  status=$$?; \
 	  echo '| case | what is hard | tries | checked | worst error |'; \
 	  echo '| --- | --- | --- | --- | --- |'; \
 	  grep -h '^| ' $(B)/logs/hard-test_long_*.log; exit $$status
@@ -215,7 +218,8 @@ fuzz:
 run-fuzz: $(FUZZ_BIN)
 	@for f in $(call chosen,$(FUZZ_BIN)); do name=$${f##*/fuzz_}; \
 	  mkdir -p $(B)/corpus/$$name; \
-	  $$f -max_total_time=$(FUZZ_TIME) -print_final_stats=1 -artifact_prefix=$(B)/ \
+	  LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
+	  $$f -max_total_time=$(FUZZ_TIME) -timeout=20 -print_final_stats=1 -artifact_prefix=$(B)/ \
 	    $(B)/corpus/$$name $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null) || exit 1; done
 
 $(FUZZ_BIN): $(B)/%: $(B)/%.o $(STATIC)
