@@ -17,7 +17,10 @@ struct mark {
   uint8_t cls;
 };
 
-enum { MOST_ROWS = 20000000 }; /* between two frames; beyond that the table is left alone */
+enum {
+  MOST_ROWS = 20000000, /* between two frames; beyond that the table is left alone */
+  MOST_BACK = 4000000   /* rows in which last contacts are looked for */
+};
 
 struct em_motion {
   const struct em_run_file *file;
@@ -230,21 +233,45 @@ static bool sort_knots(struct em_motion *m, const struct gather *g) {
 }
 
 /* What the balls last touched before the interval, carried on from the one that precedes it. */
-static void carry_classes(struct em_motion *m, size_t interval) {
-  const size_t count = m->balls->count;
-  if (m->interval + 1 != interval) {
-    memset(m->before, EM_CLASS_COUNT, count);
-    return;
-  }
-  for (size_t b = 0; b < count; b++)
+static void carry_classes(struct em_motion *m) {
+  for (size_t b = 0; b < m->balls->count; b++)
     if (m->first[b + 1] > m->first[b]) m->before[b] = m->knot[m->first[b + 1] - 1].cls;
+}
+
+static size_t touch(struct em_motion *m, uint32_t ball, uint8_t cls) {
+  if (ball >= m->balls->count || m->before[ball] != EM_CLASS_COUNT) return 0;
+  m->before[ball] = cls;
+  return 1;
+}
+
+/* After a jump: what the balls last touched before the interval, by going back through the table
+ * until all are known. */
+static enum em_status look_back(struct em_motion *m, struct em_error *err) {
+  size_t unknown = m->balls->count;
+  uint64_t end = 0;
+  enum em_status status = find_row(m, m->begin, &end, err);
+  const uint64_t stop = end > MOST_BACK ? end - MOST_BACK : 0;
+  memset(m->before, EM_CLASS_COUNT, m->balls->count);
+  while (status == EM_OK && end > stop && unknown > 0) {
+    const uint64_t first = end > EM_ROWS_BLOCK ? end - EM_ROWS_BLOCK : 0;
+    status = em_run_file_rows(m->file, first, m->rows, err);
+    if (status != EM_OK) break;
+    for (size_t k = (size_t)(end - first); k-- > 0;) {
+      if (k >= m->rows->count) continue; /* a table that was cut short */
+      unknown -= touch(m, m->rows->ball[k], m->rows->cls[k]);
+      if (m->rows->cls[k] == EM_CLASS_BALL) unknown -= touch(m, m->rows->partner[k], EM_CLASS_BALL);
+    }
+    end = first;
+  }
+  return status;
 }
 
 static enum em_status load(struct em_motion *m, size_t interval, struct em_error *err) {
   const size_t next = interval + 1 < m->frames ? interval + 1 : interval;
+  const bool follows = m->interval + 1 == interval && m->interval < m->frames;
   enum em_status status = EM_OK;
-  carry_classes(m, interval);
-  if (m->interval + 1 == interval && m->interval < m->frames) {
+  if (follows) {
+    carry_classes(m);
     struct em_balls *swap = m->from;
     m->from = m->to;
     m->to = swap;
@@ -256,7 +283,8 @@ static enum em_status load(struct em_motion *m, size_t interval, struct em_error
   if (status != EM_OK) return status;
   m->begin = em_run_file_frame_time(m->file, interval);
   m->end = em_run_file_frame_time(m->file, next);
-  if (m->rows != NULL) {
+  if (m->rows != NULL && !follows) status = look_back(m, err);
+  if (m->rows != NULL && status == EM_OK) {
     struct gather g = {.motion = m};
     status = read_rows(&g, err);
     if (status == EM_OK && !sort_knots(m, &g)) status = no_memory(err);
@@ -271,11 +299,6 @@ enum em_status em_motion_seek(struct em_motion *motion, double time, struct em_e
   size_t interval = em_run_file_frame_before(motion->file, t);
   if (interval + 1 == motion->frames && interval > 0) interval--;
   if (interval != motion->interval) {
-    /* The contacts before tell what a ball touched last. */
-    if (motion->rows != NULL && interval > 0 && motion->interval + 1 != interval) {
-      const enum em_status status = load(motion, interval - 1, err);
-      if (status != EM_OK) return status;
-    }
     const enum em_status status = load(motion, interval, err);
     if (status != EM_OK) return status;
   }

@@ -86,7 +86,7 @@ static const struct {
 } headlines[] = {{EM_FIGURES_MEDIAN_SPEED, "median speed"},
                  {EM_FIGURES_RATE, "collisions / s"},
                  {EM_FIGURES_MEDIAN_VN, "median v_n"},
-                 {EM_FIGURES_Q75_VN, "3rd quartile v_n"},
+                 {EM_FIGURES_Q75_VN, "v_n, 75 %"},
                  {EM_FIGURES_SHARE_ABOVE, "share above"},
                  {EM_FIGURES_RATE_ABOVE, "rate above"},
                  {EM_FIGURES_POWER, "power"},

@@ -221,6 +221,12 @@ static void paths_between_frames_are_exact(void **state) {
   for (size_t n = 0; n < frame->count; n++)
     known += cls[n] < EM_CLASS_COUNT;
   assert_true(known > frame->count / 2);
+  /* Who jumps there knows the same as who came step by step. */
+  struct em_motion *jump;
+  assert_int_equal(em_motion_new(&jump, a, 0.0, &err), EM_OK);
+  assert_int_equal(em_motion_seek(jump, em_motion_last(motion), &err), EM_OK);
+  assert_memory_equal(em_motion_classes(jump), cls, frame->count);
+  em_motion_free(jump);
   em_motion_free(motion);
   em_start_free(frame);
   em_run_file_close(a);
