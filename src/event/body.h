@@ -60,7 +60,7 @@ struct em_world {
   struct em_vec period, per_period; /* m, 1/m; 0 where not periodic */
   bool drum;
   bool wall[EM_WALLS], walls; /* which there are; any plane at all */
-  uint32_t blade_count;
+  uint32_t blade_count, few_blades; /* and the bits of the first 30: see EM_NEAR_BLADE */
   struct em_turning *blade;
   struct em_blade_tally *blade_tally;
   double drum_omega;    /* rad/s */
@@ -77,6 +77,7 @@ struct em_world {
 
   const struct em_queue_kind *queue_kind;
   struct em_queue *queue;
+  bool calendar, keeps_all; /* which lists these are */
   const struct em_local_kind *local_kind;
   struct em_local *local;
   const struct em_partition_kind *partition_kind;

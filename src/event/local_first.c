@@ -1,16 +1,10 @@
 /* Local lists that keep only the earliest prediction of each ball. */
-#include <math.h>
+#include "event/local_first.h"
+
 #include <stdlib.h>
 
-#include "event/local.h"
-
-struct em_local {
-  uint32_t count;
-  struct em_prediction earliest[]; /* of each ball; INFINITY: none */
-};
-
 static void clear(struct em_local *local, uint32_t ball) {
-  local->earliest[ball] = (struct em_prediction){INFINITY, UINT32_MAX, 0};
+  em_local_first_clear(local, ball);
 }
 
 static struct em_local *make(uint32_t count) {
@@ -27,18 +21,12 @@ static void free_local(struct em_local *local) {
   free(local);
 }
 
-/* Equal times: the smaller partner, so that the order of entry does not matter. */
 static bool add(struct em_local *local, uint32_t ball, const struct em_prediction *prediction) {
-  struct em_prediction *kept = &local->earliest[ball];
-  if (prediction->time < kept->time ||
-      (prediction->time == kept->time && prediction->partner < kept->partner))
-    *kept = *prediction;
-  return true;
+  return em_local_first_add(local, ball, prediction);
 }
 
 static const struct em_prediction *first(const struct em_local *local, uint32_t ball) {
-  const struct em_prediction *kept = &local->earliest[ball];
-  return kept->time < INFINITY ? kept : NULL;
+  return em_local_first_get(local, ball);
 }
 
 static size_t bytes(const struct em_local *local) {

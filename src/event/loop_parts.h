@@ -4,12 +4,11 @@
 
 #include <math.h>
 #include <string.h>
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
 
 #include "event/body.h"
+#include "event/calendar.h"
 #include "event/collapse.h"
+#include "event/local_first.h"
 #include "event/partition.h"
 
 enum {
@@ -20,60 +19,33 @@ struct remedy {
   bool frictionless, elastic;
 };
 
-/* --- four doubles ----------------------------------------------------------------------------- */
+/* --- lists: the usual ones are worked on in place, the others by call ------------------------- */
 
-typedef double v4d __attribute__((vector_size(32)));
-typedef int64_t v4l __attribute__((vector_size(32)));
-
-static inline v4d v4d_all(double a) {
-  return (v4d){a, a, a, a};
+static inline uint32_t queue_first(struct em_world *w, double *time, uint32_t *rival) {
+  return w->calendar ? em_calendar_first(w->queue, time, rival)
+                     : w->queue_kind->first(w->queue, time, rival);
 }
 
-static inline v4l v4l_all(int64_t a) {
-  return (v4l){a, a, a, a};
+static inline void queue_set(struct em_world *w, uint32_t i, double time) {
+  if (w->calendar)
+    em_calendar_set(w->queue, i, time);
+  else
+    w->queue_kind->set(w->queue, i, time);
 }
 
-static inline v4l v4l_choose(v4l mask, v4l yes, v4l no) {
-  return (mask & yes) | (~mask & no);
+static inline const struct em_prediction *local_first(const struct em_world *w, uint32_t i) {
+  return w->keeps_all ? w->local_kind->first(w->local, i) : em_local_first_get(w->local, i);
 }
 
-static inline v4d v4d_choose(v4l mask, v4d yes, v4d no) {
-#ifdef __AVX2__
-  return _mm256_blendv_pd(no, yes, (v4d)mask);
-#else
-  return (v4d)v4l_choose(mask, (v4l)yes, (v4l)no);
-#endif
+static inline bool local_add(struct em_world *w, uint32_t i, const struct em_prediction *p) {
+  return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }
 
-static inline v4d v4d_sqrt(v4d a) {
-#ifdef __AVX2__
-  return _mm256_sqrt_pd(a);
-#else
-  return (v4d){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
-#endif
-}
-
-static inline bool v4l_any(v4l mask) {
-#ifdef __AVX2__
-  return _mm256_movemask_pd((v4d)mask) != 0;
-#else
-  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
-#endif
-}
-
-/* The four doubles at each of four places, as four vectors: first of all, second of all … */
-static inline void four_halves(const double *p0, const double *p1, const double *p2,
-                               const double *p3, v4d *a, v4d *b, v4d *c, v4d *d) {
-  const v4d r0 = *(const v4d *)p0, r1 = *(const v4d *)p1;
-  const v4d r2 = *(const v4d *)p2, r3 = *(const v4d *)p3;
-  const v4d even01 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6);
-  const v4d odd01 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
-  const v4d even23 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6);
-  const v4d odd23 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
-  *a = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
-  *b = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
-  *c = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
-  *d = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
+static inline void local_clear(struct em_world *w, uint32_t i) {
+  if (w->keeps_all)
+    w->local_kind->clear(w->local, i);
+  else
+    em_local_first_clear(w->local, i);
 }
 
 /* --- periodic images -------------------------------------------------------------------------- */
@@ -154,8 +126,14 @@ static inline double turning_gap(struct em_turning *b, struct em_vec r, double r
 /* Is the event of ball i at t a contact that holds? Else it leaves its place, or is stale. */
 static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
   if (w->leave[i] <= t) return false;
-  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  const struct em_prediction *p = local_first(w, i);
   return p->partner >= EM_SURFACE || w->trace[p->partner].counter == p->counter;
+}
+
+/* Is the event of ball i that of its meeting with ball j? */
+static inline bool meets(const struct em_world *w, uint32_t i, uint32_t j) {
+  const struct em_prediction *p = local_first(w, i);
+  return p && p->partner == j;
 }
 
 /* Contacts at one and the same time go by class, then by index. */
@@ -176,7 +154,7 @@ static inline uint32_t untie(struct em_world *w, double t) {
   for (size_t k = 0; k < n; k++) {
     const uint32_t i = w->tied[k];
     if (!is_real(w, i, t)) return i;
-    const uint32_t partner = w->local_kind->first(w->local, i)->partner;
+    const uint32_t partner = local_first(w, i)->partner;
     if (next == EM_NOBODY || goes_before(i, partner, next, with)) {
       next = i;
       with = partner;

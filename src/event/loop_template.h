@@ -61,20 +61,19 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
   return best;
 }
 
-/* The same four at a time, to the same bits. `fresh`: the last event of all was ball i's, so that
+/* The same four at a time, to the same bits, without branches: what is hit cannot be foretold, and
+ * a wrong guess costs more than a root. `fresh`: the last event of all was ball i's, so that
  * the other balls alone have to be moved on. */
 static inline __attribute__((always_inline)) struct em_prediction
 FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
                   bool fresh) {
   const struct em_body *body = w->body, *a = &body[i];
   const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
+  const v4l lanes = {0, 1, 2, 3};
   v4d best = v4d_all(INFINITY);
   v4l who = v4l_all(EM_NOBODY);
-  const uint32_t whole = n & ~3u;
-  const uint32_t last[4] = {whole < n ? id[whole] : i, whole + 1 < n ? id[whole + 1] : i,
-                            whole + 2 < n ? id[whole + 2] : i, i};
   for (uint32_t k = 0; k < n; k += 4) {
-    const uint32_t *j = n - k < 4 ? last : id + k;
+    const uint32_t *j = id + k;
     v4d x, y, z, u, v, m, t, r;
     four_halves(&body[j[0]].x, &body[j[1]].x, &body[j[2]].x, &body[j[3]].x, &x, &y, &z, &u);
     four_halves(&body[j[0]].vy, &body[j[1]].vy, &body[j[2]].vy, &body[j[3]].vy, &v, &m, &t, &r);
@@ -106,8 +105,7 @@ FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
     const v4d sigma = r + a->radius;
     const v4d c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
     const v4d disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
-    const v4l hit = (p < zero) & ((c <= zero) | (disc >= zero));
-    if (!v4l_any(hit)) continue;
+    const v4l hit = (p < zero) & ((c <= zero) | (disc >= zero)) & (lanes < (int64_t)(n - k));
     const v4d root = c / (v4d_sqrt(v4d_choose(disc > zero, disc, zero)) - p);
     const v4d time = v4d_choose(hit, tr + v4d_choose(c <= zero, zero, root), v4d_all(INFINITY));
     const v4l other = {j[0], j[1], j[2], j[3]};
@@ -115,10 +113,9 @@ FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
     best = v4d_choose(sooner, time, best);
     who = v4l_choose(sooner, other, who);
   }
-  struct em_prediction first = {best[0], (uint32_t)who[0], 0};
-  for (int k = 1; k < 4; k++)
-    if (best[k] < first.time || (best[k] == first.time && (uint32_t)who[k] < first.partner))
-      first = (struct em_prediction){best[k], (uint32_t)who[k], 0};
+  const v4d all = v4d_least_of(best);
+  const v4l who_first = v4l_choose(best == all, who, v4l_all(EM_NOBODY));
+  const struct em_prediction first = {all[0], (uint32_t)v4l_least_of(who_first), 0};
   if (first.partner == w->trace[i].last && first.time < INFINITY)
     return FN(first_of)(w, i, id, n, now);
   return first;
@@ -128,17 +125,17 @@ FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
 static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
                               double now) {
   w->tally.candidates += n;
-  if (!w->local_kind->keeps_all) {
+  if (!w->keeps_all) {
     struct em_prediction p = !w->vectors           ? FN(first_of)(w, i, id, n, now)
                              : w->body[i].t >= now ? FN(first_of_four)(w, i, id, n, now, true)
                                                    : FN(first_of_four)(w, i, id, n, now, false);
     if (p.time == INFINITY) return true;
     p.counter = w->trace[p.partner].counter;
-    return w->local_kind->add(w->local, i, &p);
+    return local_add(w, i, &p);
   }
   for (uint32_t k = 0; k < n; k++) {
     const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->trace[id[k]].counter};
-    if (p.time < INFINITY && !w->local_kind->add(w->local, i, &p)) return false;
+    if (p.time < INFINITY && !local_add(w, i, &p)) return false;
   }
   return true;
 }
@@ -147,14 +144,14 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
 
 static double FN(until)(const struct em_world *w, uint32_t i) {
   const double leave = w->leave[i];
-  if (w->local_kind->keeps_all) return leave;
-  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  if (w->keeps_all) return leave;
+  const struct em_prediction *p = local_first(w, i);
   return p && p->time < leave ? p->time : leave;
 }
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
   const struct em_prediction p = {w->body[i].t + dt, code, 0};
-  return dt == INFINITY || w->local_kind->add(w->local, i, &p);
+  return dt == INFINITY || local_add(w, i, &p);
 }
 
 /* Without gravity a path is a chord, so that both its ends inside mean all inside; gravity bends it
@@ -241,15 +238,17 @@ static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
   if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
   if (!WITH(ROTOR) || !(near & ~EM_NEAR_WALL)) return true;
   const double h = FN(until)(w, i) - w->body[i].t;
-  for (uint32_t k = 0; k < w->blade_count; k++)
-    if (near & EM_NEAR_BLADE(k) && !FN(predict_blade)(w, i, k, h)) return false;
+  for (uint32_t left = near & w->few_blades; left; left &= left - 1)
+    if (!FN(predict_blade)(w, i, (uint32_t)__builtin_ctz(left), h)) return false;
+  for (uint32_t k = EM_NEAR_MANY; near & EM_NEAR_BLADE(k) && k < w->blade_count; k++)
+    if (!FN(predict_blade)(w, i, k, h)) return false;
   return true;
 }
 
 static void FN(schedule)(struct em_world *w, uint32_t i) {
-  const struct em_prediction *p = w->local_kind->first(w->local, i);
+  const struct em_prediction *p = local_first(w, i);
   const double t = p && p->time < w->leave[i] ? p->time : w->leave[i];
-  w->queue_kind->set(w->queue, i, t);
+  queue_set(w, i, t);
 }
 
 /* Asks memory for all that a prediction of ball i will read: the misses then overlap. Gains a
@@ -266,7 +265,7 @@ static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
   const uint32_t *id = w->partition_kind->candidates(w, i, &n);
   w->tally.predictions++;
-  w->local_kind->clear(w->local, i);
+  local_clear(w, i);
   if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
   FN(schedule)(w, i);
   return true;
@@ -508,7 +507,7 @@ static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
 /* Takes a stale prediction of ball i out. */
 static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
   w->tally.stale++;
-  if (!w->local_kind->keeps_all) return FN(predict)(w, i, now);
+  if (!w->keeps_all) return FN(predict)(w, i, now);
   w->local_kind->pop(w->local, i);
   FN(schedule)(w, i);
   return true;
@@ -519,17 +518,16 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
   uint64_t turns = 0;
   while (*left > 0) {
     double t;
-    bool alone;
-    uint32_t i = w->queue_kind->first(w->queue, &t, &alone);
+    uint32_t rival, i = queue_first(w, &t, &rival);
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    if (!alone) i = untie(w, t);
+    if (rival != i && !meets(w, i, rival)) i = untie(w, t);
     if (!is_real(w, i, t)) {
       if (w->leave[i] <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
       continue;
     }
-    const uint32_t partner = w->local_kind->first(w->local, i)->partner;
+    const uint32_t partner = local_first(w, i)->partner;
     const bool pair = partner < EM_SURFACE;
     const double at = t > w->clock ? t : w->clock;
     const enum em_status status = pair ? FN(collide_pair)(w, i, partner, at, err)

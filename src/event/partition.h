@@ -14,7 +14,8 @@ struct em_partition_kind {
    * world's scene, bodies, bounds, period and blades. Errors: EM_MEMORY, EM_INPUT. */
   enum em_status (*make)(struct em_world *world, struct em_places **places, struct em_error *err);
   void (*free)(struct em_places *places);
-  /* All candidates of ball i (i itself is not among them); valid until the next call. */
+  /* All candidates of ball i (i itself is not among them); valid until the next call. Behind them,
+   * up to a multiple of four, stand any balls; the same holds for cross. */
   const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
   /* Ball i moves along a new path since body[i].t: sets world.leave[i]. */
   void (*moved)(struct em_world *world, uint32_t i);
@@ -33,7 +34,8 @@ struct em_partition_kind {
 
 /* The drum or any plane wall, and blade k: the last bit stands for all further blades. */
 #define EM_NEAR_WALL     0x80000000u
-#define EM_NEAR_BLADE(k) (1u << ((k) < 30 ? (k) : 30))
+#define EM_NEAR_MANY     30
+#define EM_NEAR_BLADE(k) (1u << ((k) < EM_NEAR_MANY ? (k) : EM_NEAR_MANY))
 
 extern const struct em_partition_kind em_partition_neighbours;
 extern const struct em_partition_kind em_partition_cells;

@@ -92,7 +92,8 @@ static void set_leave(struct em_world *w, uint32_t i, double from, struct em_vec
     const struct axis *axis = &p->axis[a];
     const double low = axis->border[here->at[a]], high = axis->border[here->at[a] + 1];
     double y = at[a];
-    if (axis->period > 0.0) y -= em_body_shift(y - low, axis->period, axis->per_period);
+    const double middle = axis->low + (here->at[a] - 0.5) * axis->edge;
+    if (axis->period > 0.0) y -= em_body_shift(y - middle, axis->period, axis->per_period);
     bool up = to[a] > 0.0;
     const double t = g[a] == 0.0 ? straight(y, to[a], low, high)
                                  : curved(y, to[a], g[a], low, high, &up);
@@ -125,8 +126,9 @@ static bool widen(struct em_places *p) {
     memcpy(block + c * room, p->block + c * old, held * sizeof *block);
     block[(c + 1) * room - 1] = held;
   }
-  uint32_t *found = realloc(p->found, (27 * room + 8) * sizeof *found);
-  if (found) p->found = found;
+  uint32_t *found = em_body_array(27 * room + BLOCK_LEAST, sizeof *found);
+  free(p->found);
+  p->found = found;
   free(p->block);
   p->block = block;
   p->room = (uint32_t)room;

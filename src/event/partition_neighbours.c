@@ -68,6 +68,7 @@ static bool grow(void **array, size_t size, size_t *room, size_t wanted) {
     more *= 2;
   void *p = realloc(*array, more * size);
   if (!p) return false;
+  memset((char *)p + *room * size, 0, (more - *room) * size);
   *array = p;
   *room = more;
   return true;

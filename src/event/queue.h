@@ -10,7 +10,8 @@
 
 struct em_queue; /* opaque; each kind has its own */
 
-#define EM_QUEUE_NOBODY UINT32_MAX
+#define EM_QUEUE_NOBODY  UINT32_MAX
+#define EM_QUEUE_SEVERAL (UINT32_MAX - 1)
 
 /* An exchangeable global list. Times never lie before that of the last `first`, except after
  * `clear`. */
@@ -23,9 +24,10 @@ struct em_queue_kind {
   void (*clear)(struct em_queue *queue, double from);
   /* Enters a ball, or moves it. INFINITY takes it out. */
   void (*set)(struct em_queue *queue, uint32_t ball, double time);
-  /* The earliest ball and its time, and whether it is the only one at that time; EM_QUEUE_NOBODY
-   * when the list is empty. Stays in the list. */
-  uint32_t (*first)(struct em_queue *queue, double *time, bool *alone);
+  /* The earliest ball and its time; EM_QUEUE_NOBODY when the list is empty. Stays in the list.
+   * *rival: the ball itself when it is the only one at that time, the other one of two (the ball
+   * has the smaller number), EM_QUEUE_SEVERAL when there are more. */
+  uint32_t (*first)(struct em_queue *queue, double *time, uint32_t *rival);
   /* All balls whose time equals that of the earliest exactly, in any order; returns how many there
    * are, and fills in at most `room` of them. */
   size_t (*tied)(struct em_queue *queue, uint32_t *ball, size_t room);

@@ -47,12 +47,18 @@ static void set(struct em_queue *queue, uint32_t ball, double time) {
   if (time != INFINITY) em_rbtree_insert(&queue->tree, node, ball);
 }
 
-static uint32_t first(struct em_queue *queue, double *time, bool *alone) {
+/* Equal keys stand in the order of the balls. */
+static uint32_t first(struct em_queue *queue, double *time, uint32_t *rival) {
+  const struct em_rbnode *node = queue->node;
   const uint32_t ball = queue->tree.first;
   if (ball == EM_RBTREE_NONE) return EM_QUEUE_NOBODY;
-  const uint32_t next = queue->node[ball].next;
-  *time = queue->node[ball].key;
-  *alone = next == EM_RBTREE_NONE || queue->node[next].key != *time;
+  const double t = node[ball].key;
+  const uint32_t two = node[ball].next;
+  *time = t;
+  *rival = ball;
+  if (two == EM_RBTREE_NONE || node[two].key != t) return ball;
+  const uint32_t three = node[two].next;
+  *rival = three == EM_RBTREE_NONE || node[three].key != t ? two : EM_QUEUE_SEVERAL;
   return ball;
 }
 

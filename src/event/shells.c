@@ -9,7 +9,7 @@
 #include "event/body.h"
 
 /* Shells per cell, where these are not too small for it: eight are looked at in one go. */
-#define PER_CELL 4.0
+#define PER_CELL 3.0
 
 #define FIND     find_plain
 static uint32_t find_plain(const struct em_shells *s, const float centre[3], float hull,

@@ -57,13 +57,14 @@ uint32_t FIND(const struct em_shells *s, const float centre[3], float hull, uint
       for (int a = 0; a < rx.count; a++) {
         const uint32_t held = s->held[line + rx.cell[a]];
         const float *e = s->block + (size_t)(line + rx.cell[a]) * EM_SHELLS_FIELDS * room;
-        for (uint32_t k = 0; k < held; k += EM_SHELLS_STEP) {
+        uint32_t k = 0;
+        do {
           const v8f dx = *(const v8f *)(e + k) - rx.centre[a];
           const v8f dy = *(const v8f *)(e + room + k) - ry.centre[b];
           const v8f dz = *(const v8f *)(e + 2 * room + k) - rz.centre[c];
           const v8f r = *(const v8f *)(e + 3 * room + k) + wide;
           end = append(end, e + 4 * room + k, v8i_bits(dx * dx + dy * dy + dz * dz <= r * r));
-        }
+        } while ((k += EM_SHELLS_STEP) < held);
       }
     }
   }

@@ -1,4 +1,4 @@
-/* Vectors of eight floats, for every processor. */
+/* Vectors of eight floats and of four doubles, for every processor. */
 #ifndef EVENTMILL_EVENT_VECTORS_H
 #define EVENTMILL_EVENT_VECTORS_H
 
@@ -103,6 +103,88 @@ static inline void v8f_gather(const float *const p[8], v8f *a, v8f *b, v8f *c, v
   *b = __builtin_shufflevector(low01, low23, 2, 3, 10, 11, 6, 7, 14, 15);
   *c = __builtin_shufflevector(high01, high23, 0, 1, 8, 9, 4, 5, 12, 13);
   *d = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+/* --- four doubles ----------------------------------------------------------------------------- */
+
+typedef double v4d __attribute__((vector_size(32), may_alias));
+typedef int64_t v4l __attribute__((vector_size(32), may_alias));
+
+static inline v4d v4d_all(double a) {
+  return (v4d){a, a, a, a};
+}
+
+static inline v4l v4l_all(int64_t a) {
+  return (v4l){a, a, a, a};
+}
+
+static inline v4l v4l_choose(v4l mask, v4l yes, v4l no) {
+  return (mask & yes) | (~mask & no);
+}
+
+static inline v4d v4d_choose(v4l mask, v4d yes, v4d no) {
+#ifdef __AVX2__
+  return _mm256_blendv_pd(no, yes, (v4d)mask);
+#else
+  return (v4d)v4l_choose(mask, (v4l)yes, (v4l)no);
+#endif
+}
+
+static inline v4d v4d_sqrt(v4d a) {
+#ifdef __AVX2__
+  return _mm256_sqrt_pd(a);
+#else
+  return (v4d){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
+#endif
+}
+
+static inline v4d v4d_least(v4d a, v4d b) {
+  return v4d_choose(a < b, a, b);
+}
+
+static inline v4l v4l_least(v4l a, v4l b) {
+  return v4l_choose(a < b, a, b);
+}
+
+/* The least of all, in every lane. */
+static inline v4d v4d_least_of(v4d a) {
+  const v4d half = v4d_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
+  return v4d_least(half, __builtin_shufflevector(half, half, 1, 0, 3, 2));
+}
+
+static inline int64_t v4l_least_of(v4l a) {
+  const v4l half = v4l_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
+  return v4l_least(half, __builtin_shufflevector(half, half, 1, 0, 3, 2))[0];
+}
+
+/* Bit k: lane k of the mask is set. */
+static inline unsigned v4l_bits(v4l mask) {
+#if defined(__AVX2__)
+  return (unsigned)_mm256_movemask_pd((v4d)mask);
+#elif defined(__SSE2__)
+  union {
+    v4l all;
+    __m128d half[2];
+  } m = {mask};
+  return (unsigned)(_mm_movemask_pd(m.half[0]) | _mm_movemask_pd(m.half[1]) << 2);
+#else
+  return (unsigned)((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
+/* The four doubles at each of four places, as four vectors: first of all, second of all … */
+static inline void four_halves(const double *p0, const double *p1, const double *p2,
+                               const double *p3, v4d *a, v4d *b, v4d *c, v4d *d) {
+  const v4d r0 = *(const v4d *)p0, r1 = *(const v4d *)p1;
+  const v4d r2 = *(const v4d *)p2, r3 = *(const v4d *)p3;
+  const v4d even01 = __builtin_shufflevector(r0, r1, 0, 4, 2, 6);
+  const v4d odd01 = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
+  const v4d even23 = __builtin_shufflevector(r2, r3, 0, 4, 2, 6);
+  const v4d odd23 = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
+  *a = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
+  *b = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
+  *c = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
+  *d = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
 }
 
 #endif

@@ -79,6 +79,8 @@ static void set_blade(struct em_turning *t, const struct em_blade *b) {
 
 static bool set_blades(struct em_world *w) {
   w->blade_count = (uint32_t)em_scene_blade_count(w->scene);
+  const uint32_t few = w->blade_count < EM_NEAR_MANY ? w->blade_count : EM_NEAR_MANY;
+  w->few_blades = EM_NEAR_BLADE(few) - 1;
   w->blade = em_body_array(w->blade_count, sizeof *w->blade);
   w->blade_tally = em_body_array(w->blade_count, sizeof *w->blade_tally);
   if (!w->blade || !w->blade_tally) return false;
@@ -166,6 +168,8 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
   w->queue_kind = em_queue_find(scene->engine.lists);
   w->local_kind = em_local_find(scene->engine.lists);
   w->partition_kind = em_partition_find(scene->engine.partition);
+  w->calendar = w->queue_kind == &em_queue_calendar;
+  w->keeps_all = w->local_kind->keeps_all;
   w->queue = w->queue_kind->make(w->count, spacing);
   w->local = w->local_kind->make(w->count);
   if (!w->queue || !w->local)

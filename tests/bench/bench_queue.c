@@ -53,8 +53,8 @@ static double hold(struct em_queue *queue, const struct em_queue_kind *kind, uin
   for (uint64_t k = 0; k < steps; k++) {
     const uint64_t bits = draw(state);
     double now;
-    bool alone;
-    const uint32_t ball = kind->first(queue, &now, &alone);
+    uint32_t rival;
+    const uint32_t ball = kind->first(queue, &now, &rival);
     kind->set(queue, ball, now + wait[bits % WAITS]);
     kind->set(queue, (uint32_t)((bits >> 32) * count >> 32), now + wait[(bits >> 16) % WAITS]);
   }
