@@ -28,7 +28,9 @@ static void camera(FILE *out, const struct em_scene *scene) {
   const struct em_vec fill = em_vec_add(middle, em_vec_scale(size, em_vec_make(-3.0, -1.5, 1.0)));
   fprintf(out, "camera { perspective location ");
   put_vec(out, eye);
-  fprintf(out, " right x*image_width/image_height up y angle 36 sky y look_at ");
+  /* The angle is that of the width; the shorter side of the picture holds all of the chamber. */
+  fprintf(out, " right x*image_width/image_height up y "
+               "angle 2*degrees(atan(0.28*max(1, image_width/image_height))) sky y look_at ");
   put_vec(out, middle);
   fprintf(out, " }\nlight_source { ");
   put_vec(out, lamp);
@@ -45,6 +47,15 @@ static void cylinder(FILE *out, struct em_vec a, struct em_vec b, double radius,
   fprintf(out, ", %.7g %s }\n", radius, rest);
 }
 
+/* A steel ring around an end of the drum, from y = a to b. */
+static void ring(FILE *out, double radius, double a, double b) {
+  const double slack = b - a;
+  fprintf(out, "difference {\n");
+  cylinder(out, em_vec_make(0, a, 0), em_vec_make(0, b, 0), 1.045 * radius, "");
+  cylinder(out, em_vec_make(0, a - slack, 0), em_vec_make(0, b + slack, 0), radius, "");
+  fprintf(out, "texture { Steel } }\n");
+}
+
 static void walls(FILE *out, const struct em_scene *scene) {
   const struct em_chamber *c = &scene->chamber;
   if (c->shape == EM_SHAPE_DRUM) {
@@ -53,6 +64,8 @@ static void walls(FILE *out, const struct em_scene *scene) {
     cylinder(out, em_vec_make(0, -wall, 0), em_vec_make(0, c->length + wall, 0), r + wall, "");
     cylinder(out, em_vec_make(0, -2.0 * wall, 0), em_vec_make(0, c->length + 2.0 * wall, 0), r, "");
     fprintf(out, "texture { Glass } no_shadow }\n");
+    ring(out, r, -2.0 * wall, 0.0);
+    ring(out, r, c->length, c->length + 2.0 * wall);
     return;
   }
   fprintf(out, "box { <0, 0, 0>, ");
@@ -74,6 +87,19 @@ static void blade(FILE *out, const struct em_blade *b, double time) {
     put_vec(out, end[k]);
     fprintf(out, ", %.7g texture { Steel } }\n", b->radius);
   }
+}
+
+/* What carries the blades; balls do not meet it. */
+static void shaft(FILE *out, const struct em_scene *scene, const struct em_rotor *rotor) {
+  const double beyond = 0.044 * scene->chamber.diameter;
+  if (scene->chamber.shape != EM_SHAPE_DRUM || rotor->axis.y < 0.999999) return;
+  double radius = 0.0;
+  for (size_t k = 0; k < rotor->blade_count; k++)
+    radius = fmax(radius, 0.6 * rotor->blade[k].radius);
+  if (radius > 0.0)
+    cylinder(out, em_vec_make(rotor->point.x, -beyond, rotor->point.z),
+             em_vec_make(rotor->point.x, scene->chamber.length + beyond, rotor->point.z), radius,
+             "texture { Steel }");
 }
 
 /* sRGB to the linear light that POV-Ray 3.7 computes with. */
@@ -121,9 +147,11 @@ static void write_scene(FILE *out, const struct em_scene *scene, const struct em
   fprintf(out, "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 12 }\n%s", finish);
   camera(out, scene);
   walls(out, scene);
-  for (size_t r = 0; r < scene->rotor_count; r++)
+  for (size_t r = 0; r < scene->rotor_count; r++) {
+    shaft(out, scene, &scene->rotor[r]);
     for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
       blade(out, &scene->rotor[r].blade[k], time);
+  }
   for (size_t i = 0; i < balls->count; i++)
     ball(out, balls, i, &map, top);
 }

@@ -178,6 +178,12 @@ check "and its scene entry is accepted" snippet
 for to in xdmf xdmf3 vtk lammps csv pov stl; do
   check "export --to $to" post export "$one" --to $to --every 25 -o "$work/export.$to"
 done
+if command -v povray >"$work/where"; then
+  check "POV-Ray at one moment" post export "$one" --to pov --at 0.2 -o "$work/one.pov"
+  check "which renders" bash -c "cd '$work' && povray -D +W96 +H54 +Ione.pov +Oone.png && test -s one.png"
+else
+  skip "POV-Ray renders" "no povray"
+fi
 check "export of collisions" post export "$one" --to csv --of collisions -o "$work/rows.csv"
 rows() { [ "$(wc -l <"$work/rows.csv")" -eq $(($(post info "$one" --csv | sed -n 's/^# rows = //p') + 1)) ]; }
 check "with a line for each" rows
