@@ -12,7 +12,9 @@ static enum em_status draw(const struct em_cost *cost, struct em_plot *plot, con
   snprintf(path, sizeof path, "%s-%s.png", prefix, what);
   em_plot_subtitle(cost->scene, subtitle, sizeof subtitle);
   plot->subtitle = subtitle;
-  return em_plot_draw(plot, path, err);
+  const enum em_status status = em_plot_draw(plot, path, err);
+  plot->subtitle = NULL;
+  return status;
 }
 
 /* Variants whose names begin with the same word are a family: one colour. */
