@@ -78,16 +78,15 @@ struct em_cells *em_cells_rings(double radius, double length, size_t least) {
   return cells;
 }
 
+/* The tubes are nearly of equal width: from where it would be then, a step or two. */
 static size_t tube_of(const struct em_cells *cells, double r) {
-  size_t low = 0, high = cells->tubes;
-  while (high - low > 1) {
-    const size_t middle = (low + high) / 2;
-    if (r < cells->edge[middle])
-      high = middle;
-    else
-      low = middle;
-  }
-  return low;
+  const size_t last = cells->tubes - 1, guess = (size_t)(r / cells->radius * (double)cells->tubes);
+  size_t t = guess < last ? guess : last;
+  while (t > 0 && r < cells->edge[t])
+    t--;
+  while (t < last && r >= cells->edge[t + 1])
+    t++;
+  return t;
 }
 
 /* Part `x` of n equal parts, for x in [0, 1]; the end belongs to the last. */
@@ -97,16 +96,16 @@ static size_t part(double x, size_t n) {
 }
 
 size_t em_cells_find(const struct em_cells *cells, double x, double y, double z) {
-  const double r = hypot(x, z), slack = 1e-6;
+  const double r = sqrt(x * x + z * z), slack = 1e-6;
   double u = y / cells->length;
   if (!(r <= cells->radius * (1.0 + slack)) || !(fabs(u - 0.5) <= 0.5 + slack)) return cells->count;
-  u = fmin(fmax(u, 0.0), 1.0);
+  u = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
   const size_t t = tube_of(cells, r);
   if (cells->kind == EM_CELLS_RINGS) return cells->first[t] + part(u, cells->columns);
   double angle = atan2(z, x) / (2.0 * M_PI);
   if (angle < 0.0) angle += 1.0;
   return part(u, cells->slices) * cells->per_slice + cells->first[t] +
-         part(fmin(angle, 1.0), cells->in_tube[t]);
+         part(angle, cells->in_tube[t]);
 }
 
 void em_cells_bounds(const struct em_cells *cells, size_t k, double low[3], double high[3]) {
