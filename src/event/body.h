@@ -25,6 +25,8 @@ struct em_trace {
   uint32_t streak;  /* contacts in a row, each within world.within of the one before */
 };
 
+enum { EM_FETCH_FROM = 8192 }; /* balls: from here on they do not fit into the nearest caches */
+
 /* Partners are balls (their index) or surfaces (EM_SURFACE + number). */
 enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
 #define EM_SURFACE          0xFFF00000u

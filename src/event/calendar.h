@@ -51,6 +51,10 @@ void em_calendar_relieve(struct em_queue *q);
 /* The first of the balls that are due, by (time, ball), where there are many. */
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
 
+/* The balls of the bin that comes `ahead` bins after the current one, up to `most` of them, as far
+ * as it lies in this turn; returns how many. */
+uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
+
 static inline void em_calendar_unlink(struct em_calendar_link *link, uint32_t ball) {
   const struct em_calendar_link old = link[ball];
   link[old.previous].next = old.next;

@@ -11,10 +11,6 @@
 #include "event/local_first.h"
 #include "event/partition.h"
 
-enum {
-  FETCH_FROM = 8192
-}; /* balls: from here on their states do not fit into the nearest caches */
-
 struct remedy {
   bool frictionless, elastic;
 };
@@ -46,6 +42,51 @@ static inline void local_clear(struct em_world *w, uint32_t i) {
     w->local_kind->clear(w->local, i);
   else
     em_local_first_clear(w->local, i);
+}
+
+/* --- foresight -------------------------------------------------------------------------------- */
+
+enum { FORESEEN = 16 }; /* balls of a bin */
+
+/* Asks memory for all that stands at the number of a ball. */
+static inline void fetch_ball(const struct em_world *w, uint32_t i) {
+  __builtin_prefetch(&w->body[i]);
+  __builtin_prefetch(&w->trace[i]);
+  __builtin_prefetch(&w->leave[i]);
+  __builtin_prefetch(&w->local->earliest[i]);
+  __builtin_prefetch(&w->queue->link[i]);
+  if (w->partition_kind->fetch) w->partition_kind->fetch(w, i, false, false);
+}
+
+/* The calendar knows which balls come next: what their events will read is asked for two bins
+ * ahead, what these memories point to one bin ahead, and the candidates when the bin begins. */
+static inline void foresee(struct em_world *w) {
+  uint32_t ball[FORESEEN], n = em_calendar_peek(w->queue, 2, ball, FORESEEN);
+  for (uint32_t k = 0; k < n; k++)
+    fetch_ball(w, ball[k]);
+  n = em_calendar_peek(w->queue, 1, ball, FORESEEN);
+  for (uint32_t k = 0; k < n; k++) {
+    const struct em_prediction *p = &w->local->earliest[ball[k]];
+    const bool leaves = w->leave[ball[k]] <= p->time;
+    if (!leaves && p->partner < EM_SURFACE) fetch_ball(w, p->partner);
+    w->partition_kind->fetch(w, ball[k], true, leaves);
+  }
+  n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
+  for (uint32_t k = 0; k < n; k++) {
+    const struct em_prediction *p = &w->local->earliest[ball[k]];
+    const bool leaves = w->leave[ball[k]] <= p->time;
+    if (!leaves && p->partner < EM_SURFACE) w->partition_kind->fetch(w, p->partner, true, false);
+    uint32_t count;
+    const uint32_t *id = w->partition_kind->candidates(w, ball[k], &count);
+    for (uint32_t h = 0; h < count; h++) {
+      if (leaves) {
+        w->partition_kind->fetch(w, id[h], false, false);
+      } else {
+        __builtin_prefetch(&w->body[id[h]]);
+        __builtin_prefetch(&w->trace[id[h]]);
+      }
+    }
+  }
 }
 
 /* --- periodic images -------------------------------------------------------------------------- */

@@ -256,8 +256,10 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
 static void FN(fetch)(struct em_world *w, uint32_t i) {
   uint32_t n;
   const uint32_t *id = w->partition_kind->candidates(w, i, &n);
-  for (uint32_t k = 0; k < n; k++)
+  for (uint32_t k = 0; k < n; k++) {
     __builtin_prefetch(&w->body[id[k]]);
+    __builtin_prefetch(&w->trace[id[k]]);
+  }
 }
 
 /* Predicts all events of ball i anew. */
@@ -516,10 +518,16 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
+  const bool foresight = w->count >= EM_FETCH_FROM && w->calendar && w->partition_kind->fetch;
+  uint32_t bin = UINT32_MAX;
   while (*left > 0) {
     double t;
     uint32_t rival, i = queue_first(w, &t, &rival);
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
+    if (foresight && w->queue->slot != bin) {
+      bin = w->queue->slot;
+      foresee(w);
+    }
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
     if (rival != i && !meets(w, i, rival)) i = untie(w, t);
@@ -535,7 +543,7 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (status) return status;
     w->clock = at;
     --*left;
-    if (w->count >= FETCH_FROM) {
+    if (foresight) {
       FN(fetch)(w, i);
       if (pair) FN(fetch)(w, partner);
     }

@@ -282,14 +282,17 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
   struct list *l = &p->list[i];
   uint32_t *mark = p->mark, *old = p->pool + l->at, *gone = p->gone;
   const uint32_t was = next_stamp(p), stays = was + 1;
-  for (uint32_t k = 0; k < l->count; k++)
+  for (uint32_t k = 0; k < l->count; k++) {
     mark[old[k]] = was;
+    __builtin_prefetch(&p->list[old[k]]);
+  }
   uint32_t come = 0, left = 0, go = 0;
   for (uint32_t k = 0; k < found; k++) {
     const uint32_t j = p->found[k], near = mark[j] == was;
     mark[j] += near;
     p->found[come] = j;
     come += !near;
+    __builtin_prefetch(&p->list[j]);
   }
   for (uint32_t k = 0; k < l->count; k++) {
     const uint32_t j = old[k], keep = mark[j] == stays;
@@ -298,6 +301,10 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
     go += !keep;
   }
   l->count = left;
+  for (uint32_t k = 0; k < go; k++)
+    __builtin_prefetch(p->pool + p->list[gone[k]].at);
+  for (uint32_t k = 0; k < come; k++)
+    __builtin_prefetch(p->pool + p->list[p->found[k]].at);
   for (uint32_t k = 0; k < go; k++)
     list_drop(p, gone[k], i);
   return come;
@@ -344,6 +351,18 @@ static void moved(struct em_world *w, uint32_t i) {
 
 static uint32_t surfaces(const struct em_world *w, uint32_t i) {
   return w->places->near ? w->places->near[i] : 0;
+}
+
+static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
+  const struct em_places *p = w->places;
+  if (!beyond) {
+    __builtin_prefetch(&p->list[i]);
+    __builtin_prefetch(&p->shell[i]);
+    __builtin_prefetch(&p->shells.cell[i]);
+    return;
+  }
+  __builtin_prefetch(p->pool + p->list[i].at);
+  if (leaves) em_shells_fetch(&p->shells, p->shell[i].centre, hull_of(w, i));
 }
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -532,6 +551,7 @@ const struct em_partition_kind em_partition_neighbours = {
     .cross = cross,
     .renew = renew,
     .surfaces = surfaces,
+    .fetch = fetch,
     .bytes = bytes,
     .is_valid = is_valid,
 };

@@ -3,6 +3,7 @@
 
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "event/body.h"
 
@@ -130,6 +131,20 @@ bool em_calendar_advance(struct em_queue *q) {
     close_list(q->link, head);
   }
   return true;
+}
+
+uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most) {
+  if (ahead == 0) {
+    const uint32_t n = q->due_count < most ? q->due_count : most;
+    memcpy(ball, q->due, n * sizeof *ball);
+    return n;
+  }
+  if (q->slot + ahead >= q->bins) return 0;
+  const uint32_t head = q->count + q->slot + ahead;
+  uint32_t n = 0;
+  for (uint32_t i = q->link[head].next; i != head && n < most; i = q->link[i].next)
+    ball[n++] = i;
+  return n;
 }
 
 /* ---- the interface ---- */

@@ -159,6 +159,26 @@ uint32_t em_shells_find(const struct em_shells *s, const float centre[3], float 
   return find_plain(s, centre, hull, id, most);
 }
 
+void em_shells_fetch(const struct em_shells *s, const float centre[3], float hull) {
+  if (s->whole) return;
+  struct row rx, ry, rz;
+  const float reach = reach_of(s, hull);
+  row_of(s, 0, centre[0], reach, &rx);
+  row_of(s, 1, centre[1], reach, &ry);
+  row_of(s, 2, centre[2], reach, &rz);
+  const size_t size = (size_t)EM_SHELLS_FIELDS * s->room;
+  for (int c = 0; c < rz.count; c++)
+    for (int b = 0; b < ry.count; b++) {
+      const int line = s->n[0] * (s->n[1] * rz.cell[c] + ry.cell[b]);
+      for (int a = 0; a < rx.count; a++) {
+        const float *e = s->block + (size_t)(line + rx.cell[a]) * size;
+        for (size_t k = 0; k < size; k += 16)
+          __builtin_prefetch(e + k);
+        __builtin_prefetch(&s->held[line + rx.cell[a]]);
+      }
+    }
+}
+
 size_t em_shells_bytes(const struct em_shells *s) {
   return s->count * sizeof *s->cell +
          cells(s) * (sizeof *s->held + EM_SHELLS_FIELDS * s->room * sizeof *s->block);

@@ -51,6 +51,9 @@ uint32_t em_shells_find(const struct em_shells *s, const float centre[3], float 
 uint32_t em_shells_avx2_find(const struct em_shells *s, const float centre[3], float hull,
                              uint32_t *id, uint32_t most);
 
+/* Asks memory for the cells that em_shells_find will look through. */
+void em_shells_fetch(const struct em_shells *s, const float centre[3], float hull);
+
 size_t em_shells_bytes(const struct em_shells *s);
 /* Is shell i where its centre says? */
 bool em_shells_holds(const struct em_shells *s, uint32_t i, const float centre[3]);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "event/body.h"
 #include "event/shells.h"
 #include "event/vectors.h"
 

@@ -39,11 +39,15 @@ static inline void row_of(const struct em_shells *s, int axis, float centre, flo
   }
 }
 
+static inline float reach_of(const struct em_shells *s, float hull) {
+  return (hull + (float)s->hull_most + 2.0f * s->slack) * 1.00001f;
+}
+
 /* Empty places are infinitely far, so that whole vectors can be looked at. */
 uint32_t FIND(const struct em_shells *s, const float centre[3], float hull, uint32_t *id,
               uint32_t most) {
   struct row rx, ry, rz;
-  const float reach = (hull + (float)s->hull_most + 2.0f * s->slack) * 1.00001f;
+  const float reach = reach_of(s, hull);
   const float wide = hull + s->slack;
   const uint32_t room = s->room;
   uint32_t *end = id;
