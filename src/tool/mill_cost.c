@@ -21,10 +21,10 @@ static const struct em_mill_help help = {
         "                           figures\n"
         "  effects against time     what each effect costs, and what leaving it out changes\n"
         "  statistics against time  confidence intervals against simulated time\n\n"
-        "  -t, --time T        simulated time of each run, s; default: what takes about 0.35 s of\n"
+        "  -t, --time T        simulated time of each run, s; default: what takes about 0.3 s of\n"
         "                      computing. A longer one narrows the shifts of the key figures\n"
         "  -s, --steady T      begin of the steady state, s; default: 0.5, or half the duration\n"
-        "  -n, --rounds N      turns per variant, 1 to 64; default: 3\n"
+        "  -n, --rounds N      turns per variant, 1 to 64; default: 4\n"
         "  -f, --flights N     flights for the errors of contact times; default: 100000\n"
         "  -k, --only TEXT     only the variants with TEXT in their names\n"
         "  -c, --csv FILE      write the tables as CSV too\n"
@@ -108,7 +108,7 @@ static int take(struct options *o, int letter, char **argv) {
 }
 
 static int read_options(struct options *o, int argc, char **argv) {
-  *o = (struct options){.time = NAN, .steady = NAN, .rounds = 3.0, .flights = 1e5};
+  *o = (struct options){.time = NAN, .steady = NAN, .rounds = 4.0, .flights = 1e5};
   opterr = 0;
   optind = 1;
   for (int letter; (letter = getopt_long(argc, argv, ":t:s:n:f:k:c:o:jqh", known, NULL)) != -1;) {
