@@ -73,7 +73,8 @@ struct em_species {
 
 #define EM_LISTS_LIST(X)                                                          \
   X(CALENDAR, "calendar") /* earliest event per ball, bounded-increasing queue */ \
-  X(TREE, "tree")         /* all predictions, local and global red-black trees */
+  X(TREE, "tree")         /* all predictions, local and global red-black trees */ \
+  X(ALL, "all")           /* all predictions in local trees, bounded-increasing queue */
 #define EM_LISTS_ENUM(code, text) EM_LISTS_##code,
 enum em_lists { EM_LISTS_LIST(EM_LISTS_ENUM) EM_LISTS_COUNT };
 #undef EM_LISTS_ENUM

@@ -88,6 +88,36 @@ static void rules(void) {
   }
 }
 
+/* The source's pair test: both roots, of which the lesser that lies ahead is the contact. */
+static double two_roots(double b, double a, double c) {
+  const double disc = b * b - a * c;
+  if (disc < 0.0) return INFINITY;
+  const double first = (-b - sqrt(disc)) / a, second = (-b + sqrt(disc)) / a;
+  const double t = first < second ? first : second;
+  return t > 0.0 ? t : INFINITY;
+}
+
+/* Balls that part are left out before the root; the first contact has one form. */
+static double one_root(double b, double a, double c) {
+  if (b >= 0.0) return INFINITY;
+  const double disc = b * b - a * c;
+  return disc < 0.0 ? INFINITY : c / (sqrt(disc) - b);
+}
+
+static inline __attribute__((always_inline)) void pairs(const char *what,
+                                                        double (*root)(double, double, double)) {
+  double sum = 0.0;
+  const double start = now();
+  for (int round = 0; round < ROUNDS; round++)
+    for (int i = 0; i < STATES; i++) {
+      const struct state *p = &states[i], *q = &states[(i + round + 1) % STATES];
+      const struct em_vec d = em_vec_scale(0.1, em_vec_sub(q->r, p->r)), u = em_vec_sub(q->v, p->v);
+      sum += fmin(1.0, root(em_vec_dot(d, u), em_vec_norm2(u), em_vec_norm2(d) - 2.5e-5));
+    }
+  sink = sum;
+  report(what, start, "");
+}
+
 static void plane(void) {
   double sum = 0.0;
   const double start = now();
@@ -168,6 +198,8 @@ int main(void) {
   fill(INFINITY);
   laws();
   rules();
+  pairs("pair, two roots", two_roots);
+  pairs("pair, one root", one_root);
   plane();
   drums();
   blades();
