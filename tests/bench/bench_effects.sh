@@ -1,6 +1,9 @@
 #!/bin/sh
-# Instructions per collision and bytes per ball, effect by effect, counted by callgrind: the same on
-# every run. A scene that calls a function of an effect that it does without makes the bench fail.
+# Instructions per collision and bytes per ball, effect by effect, counted by callgrind between two
+# times, so that the start does not count: the same on every run. A scene that calls a function of an
+# effect that it does without makes the bench fail.
+#
+#   FROM=0.01 TO=0.04   simulated times (s)
 set -eu
 mill=${BUILD:-build}/mill
 command -v valgrind >/dev/null || { echo 'valgrind is missing' >&2; exit 1; }
@@ -24,24 +27,33 @@ blades='em_surface_blade em_surface_blade_normal em_surface_roots_blade'
 quartic='em_poly_quartic em_poly_first_rise'
 table='em_writer_contact'
 
-# count NAME SCENE ABSENT [KEY=VALUE ...]: ABSENT: functions that must not be called.
-count() {
-  name=$1 scene=$folder/$2 absent=$3
-  shift 3
+# measure DURATION SCENE [KEY=VALUE ...]: sets collisions and instructions.
+measure() {
+  duration=$1
+  shift
   valgrind --tool=callgrind --callgrind-out-file="$folder/out" \
-    --toggle-collect=em_world_run_collisions "$mill" run "$scene" "$@" duration="${TIME:-0.02}" \
+    --toggle-collect=em_world_run_collisions "$mill" run "$@" duration="$duration" \
     record.frames=0.0 record.observables=0.0 record.histograms=0.0 -o none --json -q \
     >"$folder/json" 2>/dev/null
   collisions=$(sed 's/.*"collisions":\([0-9]*\).*/\1/' "$folder/json")
   instructions=$(sed -n 's/^totals: //p' "$folder/out")
+}
+
+# count NAME SCENE ABSENT [KEY=VALUE ...]: ABSENT: functions that must not be called.
+count() {
+  name=$1 scene=$folder/$2 absent=$3
+  shift 3
+  measure "${FROM:-0.01}" "$scene" "$@"
+  before="$collisions|$instructions"
+  measure "${TO:-0.04}" "$scene" "$@"
   bytes=$("$mill" check "$scene" "$@" | sed -n 's/^# balls: .*, \([0-9]*\) bytes each.*/\1/p')
   loop=$("$mill" check "$scene" "$@" | sed -n 's/^# loop: //p')
   calls=''
   for f in $absent; do
     grep -q "^c\{0,1\}fn=([0-9]*) $f" "$folder/out" && calls="$calls $f" && bad=1
   done
-  echo "$name|$collisions|$instructions|$bytes|$loop|$calls" |
-    awk -F'|' '{ printf "%-34s %8d %9.1f %6d  %-28s%s\n", $1, $2, $3 / $2, $4, $5, $6 }'
+  echo "$name|$before|$collisions|$instructions|$bytes|$loop|$calls" |
+    awk -F'|' '{ printf "%-34s %8d %9.1f %6d  %-28s%s\n", $1, $4 - $2, ($5 - $3) / ($4 - $2), $6, $7, $8 }'
 }
 
 printf '%-34s %8s %9s %6s  %-28s%s\n' scene collided 'instr./c' B/ball loop ' calls in vain'
