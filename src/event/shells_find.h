@@ -48,27 +48,33 @@ uint32_t FIND(const struct em_shells *s, const float centre[3], float hull, uint
               uint32_t most) {
   struct row rx, ry, rz;
   const float reach = reach_of(s, hull);
-  const float wide = hull + s->slack;
-  const uint32_t room = s->room;
+  const v8f wide = v8f_all(hull + s->slack);
+  const size_t room = s->room, size = EM_SHELLS_FIELDS * room;
+  const float *const block = s->block;
+  const uint32_t *const held = s->held;
+  const int nx = s->n[0], ny = s->n[1];
   uint32_t *end = id;
   row_of(s, 0, centre[0], reach, &rx);
   row_of(s, 1, centre[1], reach, &ry);
   row_of(s, 2, centre[2], reach, &rz);
   if (27 * room > most) return most;
   for (int c = 0; c < rz.count; c++) {
+    const v8f z = v8f_all(rz.centre[c]);
     for (int b = 0; b < ry.count; b++) {
-      const int line = s->n[0] * (s->n[1] * rz.cell[c] + ry.cell[b]);
+      const v8f y = v8f_all(ry.centre[b]);
+      const int line = nx * (ny * rz.cell[c] + ry.cell[b]);
       for (int a = 0; a < rx.count; a++) {
-        const uint32_t held = s->held[line + rx.cell[a]];
-        const float *e = s->block + (size_t)(line + rx.cell[a]) * EM_SHELLS_FIELDS * room;
-        uint32_t k = 0;
+        const int cell = line + rx.cell[a];
+        const float *e = block + (size_t)cell * size;
+        const v8f x = v8f_all(rx.centre[a]);
+        size_t k = 0;
         do {
-          const v8f dx = *(const v8f *)(e + k) - rx.centre[a];
-          const v8f dy = *(const v8f *)(e + room + k) - ry.centre[b];
-          const v8f dz = *(const v8f *)(e + 2 * room + k) - rz.centre[c];
+          const v8f dx = *(const v8f *)(e + k) - x;
+          const v8f dy = *(const v8f *)(e + room + k) - y;
+          const v8f dz = *(const v8f *)(e + 2 * room + k) - z;
           const v8f r = *(const v8f *)(e + 3 * room + k) + wide;
           end = append(end, e + 4 * room + k, v8i_bits(dx * dx + dy * dy + dz * dz <= r * r));
-        } while ((k += EM_SHELLS_STEP) < held);
+        } while ((k += EM_SHELLS_STEP) < held[cell]);
       }
     }
   }
