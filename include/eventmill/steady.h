@@ -8,13 +8,15 @@
 
 struct em_steady {
   size_t start;  /* index of the first value to use */
-  bool found;    /* false: the cut that MSER would make lies beyond half the series */
+  bool found;    /* false: MSER would cut more than it may, half of the series; or what is left
+                    has fewer than ten independent values */
   double geweke; /* z of the means of the first 10 % and last 50 % after `start`; NAN: too short */
   double p;      /* its two-sided probability when the series is stationary */
 };
 
-/* How many leading values to leave out so that the standard error of the rest is least; values are
- * averaged in batches first (5, fewer when the series is short). n when memory is short. */
+/* How many leading values to leave out, half of them at most, so that the standard error of the
+ * rest is least; values are averaged in batches first (5, fewer when the series is short). n when
+ * memory is short. */
 size_t em_steady_mser(const double *x, size_t n);
 
 /* z of the difference of the means of the first 10 % and the last 50 % of x, with errors that

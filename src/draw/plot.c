@@ -97,6 +97,17 @@ static void write_texts(struct em_gnuplot *g, const struct em_plot *plot, size_t
   }
 }
 
+/* A tic's label is a format: each % has to be two. */
+static const char *without_format(const char *label, char *text, size_t size) {
+  size_t n = 0;
+  for (const char *c = label; *c != '\0' && n + 2 < size; c++) {
+    if (*c == '%') text[n++] = '%';
+    text[n++] = *c;
+  }
+  text[n] = '\0';
+  return text;
+}
+
 static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   bool second = false;
   for (size_t k = 0; k < plot->series_count; k++)
@@ -114,8 +125,9 @@ static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   if (plot->category_count > 0) {
     fputs("set xtics (", g->out);
     for (size_t k = 0; k < plot->category_count; k++) {
+      char text[256];
       if (k > 0) fputs(", ", g->out);
-      em_gnuplot_string(g, plot->category[k]);
+      em_gnuplot_string(g, without_format(plot->category[k], text, sizeof text));
       fprintf(g->out, " %zu", k);
     }
     fprintf(g->out, ") scale 0 noenhanced\nset xrange [-0.6:%g]\n",

@@ -7,12 +7,15 @@
 
 #include "eventmill/interval.h"
 
+/* A steady state cannot be told from slow waves with fewer independent values than this. */
+static const double LEAST_INDEPENDENT = 10.0;
+
 static size_t batch_length(size_t n) {
   return n >= 100 ? 5 : n >= 40 ? 2 : 1;
 }
 
-/* The cut d that minimises Σ_{i≥d} (x_i − mean)² / (n−d)², over all that leave at least 5 values
- * (fewer do not tell a mean from noise). */
+/* The cut d that minimises Σ_{i≥d} (x_i − mean)² / (n−d)², over all that leave at least half of the
+ * values: a calm stretch at the end would win otherwise. */
 static size_t least_error(const double *x, size_t n) {
   double best = INFINITY, mean = 0.0, m2 = 0.0;
   size_t cut = 0;
@@ -20,7 +23,7 @@ static size_t least_error(const double *x, size_t n) {
     const double count = (double)(n - i), step = x[i] - mean;
     mean += step / count;
     m2 += step * (x[i] - mean);
-    if (n - i < 5 && n - i < n) continue;
+    if (i > n / 2) continue;
     const double value = m2 / (count * count);
     if (value <= best) {
       best = value;
@@ -28,6 +31,12 @@ static size_t least_error(const double *x, size_t n) {
     }
   }
   return cut;
+}
+
+/* The last cut that least_error can make, among the values themselves. */
+static size_t last_cut(size_t n) {
+  const size_t length = batch_length(n), batches = n / length;
+  return n - batches * length + batches / 2 * length;
 }
 
 size_t em_steady_mser(const double *x, size_t n) {
@@ -60,7 +69,11 @@ double em_steady_geweke(const double *x, size_t n) {
 
 struct em_steady em_steady_find(const double *x, size_t n) {
   struct em_steady out = {em_steady_mser(x, n), false, NAN, NAN};
-  out.found = n > 0 && out.start <= n / 2;
+  if (out.start < last_cut(n)) {
+    const size_t rest = n - out.start;
+    const struct em_interval mean = em_interval_series(x + out.start, rest, 0.95);
+    out.found = (double)rest >= LEAST_INDEPENDENT * mean.inefficiency;
+  }
   if (out.start < n) out.geweke = em_steady_geweke(x + out.start, n - out.start);
   if (isfinite(out.geweke)) out.p = 2.0 * gsl_cdf_ugaussian_Q(fabs(out.geweke));
   return out;

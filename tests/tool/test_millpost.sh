@@ -132,6 +132,7 @@ assert f["power of the blades"]["fast_significant"] == "yes"
 assert f["power of the blades"]["fast_change"] > 0.3
 ' compare "$plain" "$fast" --from 0.1; }
 check "compare finds that 1700 rpm takes more power than 1300" faster
+check "compare draws" post compare "$plain" "$fast" "$one" --from 0.1 -o "$work/compare.png"
 check "scale" post scale "$plain" "$fast" --from 0.1
 
 expect 0 "" "verify accepts an ideal gas" post verify "$gas"
