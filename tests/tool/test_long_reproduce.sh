@@ -27,7 +27,7 @@ check "R1, both starts and its course in time" lines 2 '^| R1 |'
 check "R2" lines 1 '^| R2 |'
 check "R3 and R7, class by class" lines 8 '^| R[37] | ball–'
 check "R4 and R5" lines 4 '^| R[45] |'
-check "R6 and R7, hard impacts" lines 5 '^| R[67] | \(v_n\|above\|Σ\)'
+check "R6 and R7, hard impacts" lines 6 '^| R[67] | \(v_n\|above\|Σ\)'
 check "R8, with the speed that follows" lines 4 '^| R8 |'
 check "R12" lines 2 '^| R12 .*agrees'
 check "no figure is missing" bash -c "! grep '^| R[1-8] ' all/report.md | grep -e '| –' -e nan -e inf"
