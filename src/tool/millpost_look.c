@@ -234,7 +234,7 @@ struct em_picture_options em_millpost_look_picture(const struct em_millpost_look
   o.show_low = look->show_low;
   o.show_high = look->show_high;
   o.limit = (size_t)look->balls;
-  if (look->smooth > 0.0) o.smooth = (int)look->smooth;
+  if (look->smooth > 0) o.smooth = (int)look->smooth;
   o.hide_rotor = look->hide.rotor;
   o.hide_drum = look->hide.drum;
   o.hide_balls = look->hide.balls;

@@ -127,16 +127,13 @@ static void add_places(struct em_report *report, const char *folder, const struc
 static enum em_status write_pairs(const char *path, char *const *folder,
                                   struct em_track *const *track, int count, struct em_error *err) {
   FILE *out = fopen(path, "w");
-  bool good = out != NULL;
-  if (good) {
-    fprintf(out, "# speed (m/s), restitution; standard error of restitution, film\n");
-    for (int k = 0; k < count; k++)
-      fprintf(out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value, track[k]->restitution.value,
-              track[k]->restitution.error, folder[k]);
-    good = !ferror(out);
-    good = fclose(out) == 0 && good;
-  }
-  if (good) return EM_OK;
+  if (!out) return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+  fprintf(out, "# speed (m/s), restitution; standard error of restitution, film\n");
+  for (int k = 0; k < count; k++)
+    fprintf(out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value, track[k]->restitution.value,
+            track[k]->restitution.error, folder[k]);
+  const bool failed = ferror(out) != 0;
+  if (fclose(out) == 0 && !failed) return EM_OK;
   return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
 }
 
