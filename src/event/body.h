@@ -61,7 +61,7 @@ struct em_world {
   struct em_vec low, high;          /* m, of the chamber */
   struct em_vec period, per_period; /* m, 1/m; 0 where not periodic */
   bool drum;
-  bool wall[EM_WALLS], walls; /* which there are; any plane at all */
+  bool wall[EM_WALLS], walls;       /* which there are; any plane at all */
   uint32_t blade_count, few_blades; /* and the bits of the first 30: see EM_NEAR_BLADE */
   struct em_turning *blade;
   struct em_blade_tally *blade_tally;

@@ -32,9 +32,10 @@ struct em_queue {
   double due_end;       /* what lies in bins below this one is due: current + 1 */
   double ring_end;      /* bins from this one on are in the overflow: current + bins */
   double *time;         /* of each ball */
-  struct em_calendar_link *link; /* of each ball, of the head of each bin, of that of the overflow */
-  uint32_t *due;                 /* balls of the current bin and before */
-  double *due_time;              /* INFINITY up to a multiple of eight */
+  struct em_calendar_link
+      *link;        /* of each ball, of the head of each bin, of that of the overflow */
+  uint32_t *due;    /* balls of the current bin and before */
+  double *due_time; /* INFINITY up to a multiple of eight */
   uint32_t due_count;
   uint32_t count, bins;
   uint32_t slot;     /* of the current bin in the ring: current - base */

@@ -518,7 +518,8 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
-  const bool foresight = w->count >= EM_FETCH_FROM && w->calendar && !w->keeps_all && w->partition_kind->fetch;
+  const bool foresight =
+      w->count >= EM_FETCH_FROM && w->calendar && !w->keeps_all && w->partition_kind->fetch;
   uint32_t bin = UINT32_MAX;
   while (*left > 0) {
     double t;

@@ -29,8 +29,8 @@ struct em_partition_kind {
   /* Surfaces that ball i can meet before it leaves: EM_NEAR_WALL and the bits of blades. */
   uint32_t (*surfaces)(const struct em_world *world, uint32_t i);
   /* Asks memory for what `candidates` and `moved` will read of ball i: first what stands at its
-   * number, later (`beyond`) what that points to, and what `cross` will read when it `leaves`. NULL:
-   * nothing to ask for. */
+   * number, later (`beyond`) what that points to, and what `cross` will read when it `leaves`.
+   * NULL: nothing to ask for. */
   void (*fetch)(const struct em_world *world, uint32_t i, bool beyond, bool leaves);
   size_t (*bytes)(const struct em_places *places);
   bool (*is_valid)(const struct em_world *world);

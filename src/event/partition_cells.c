@@ -35,7 +35,7 @@ struct em_places {
   uint32_t count;
   struct axis axis[3];
   size_t blocks;
-  uint32_t room;  /* of a block, its last place included */
+  uint32_t room; /* of a block, its last place included */
   uint32_t *block;
   uint32_t *near; /* surfaces near each block; NULL where there are none */
   struct place *place;
@@ -95,15 +95,16 @@ static void set_leave(struct em_world *w, uint32_t i, double from, struct em_vec
     const double middle = axis->low + (here->at[a] - 0.5) * axis->edge;
     if (axis->period > 0.0) y -= em_body_shift(y - middle, axis->period, axis->per_period);
     bool up = to[a] > 0.0;
-    const double t = g[a] == 0.0 ? straight(y, to[a], low, high)
-                                 : curved(y, to[a], g[a], low, high, &up);
+    const double t =
+        g[a] == 0.0 ? straight(y, to[a], low, high) : curved(y, to[a], g[a], low, high, &up);
     exit = t < stay ? 2 * a + up : exit;
     stay = t < stay ? t : stay;
   }
   here->exit = (uint16_t)exit;
   double leave = from + stay;
   if (p->centre || w->blade_count) {
-    const double cap = p->centre ? em_partition_stay(w, i, from, p->centre[i], p->room_m) : INFINITY;
+    const double cap =
+        p->centre ? em_partition_stay(w, i, from, p->centre[i], p->room_m) : INFINITY;
     const double most = fmin(cap, em_span_limit(w, from));
     if (most < leave) here->exit = STAYS, leave = most;
   }

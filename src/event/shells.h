@@ -16,9 +16,9 @@ enum {
 /* The grid. Single precision: a centre is what it says, exactly; `slack` covers the rounding of
  * distances. Empty places of a cell have x = INFINITY, so that nothing is near them. */
 struct em_shells {
-  int n[3];                    /* cells along x, y, z */
-  double edge[3], per_edge[3]; /* m, 1/m */
-  float period[3];             /* m, 0 where not periodic */
+  int n[3];                      /* cells along x, y, z */
+  double edge[3], per_edge[3];   /* m, 1/m */
+  float period[3];               /* m, 0 where not periodic */
   float lowest[3], cells_per[3]; /* low and per_edge once more */
   bool whole; /* a periodic edge has less than three cells: nearest images one by one */
   struct em_vec low;

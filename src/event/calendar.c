@@ -226,7 +226,8 @@ static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
 }
 
 static size_t bytes(const struct em_queue *q) {
-  return sizeof *q + ((size_t)q->count + 1) * (sizeof *q->time + sizeof *q->due + sizeof *q->due_time) +
+  return sizeof *q +
+         ((size_t)q->count + 1) * (sizeof *q->time + sizeof *q->due + sizeof *q->due_time) +
          ((size_t)q->count + q->bins + 1) * sizeof *q->link;
 }
 
