@@ -163,12 +163,75 @@ static void head_on(void **state) {
            "mirrored, independent of the numbering", "speed %.1e", worst);
 }
 
+struct order {
+  size_t count;
+  struct em_contact contact[8];
+};
+
+static void note(void *self, const struct em_contact *contact) {
+  struct order *order = self;
+  assert_true(order->count < 8);
+  order->contact[order->count++] = *contact;
+}
+
+/* Contacts at one time in their documented order: balls with balls first, by the smaller number,
+ * then walls, by the wall and the ball. All times are powers of two, so that they are equal. */
+static void order_of_contacts(void **state) {
+  (void)state;
+  enum { BALLS = 10, CONTACTS = 7, NUMBERINGS = 200 };
+  uint64_t seed = 5;
+  for (int k = 0; k < NUMBERINGS; k++) {
+    struct trial t;
+    struct order order = {.count = 0};
+    const double r = 0.0078125, way = 0.125;
+    size_t place[BALLS];
+    trial_scene(&t, lab, "balls.count=%d", BALLS);
+    trial_balls(&t);
+    for (size_t i = 0; i < BALLS; i++)
+      place[i] = i;
+    for (size_t i = BALLS - 1; i > 0; i--) {
+      const size_t j = dice_bits(&seed) % (i + 1), swap = place[i];
+      place[i] = place[j], place[j] = swap;
+    }
+    for (size_t i = 0; i < 6; i++) { /* three pairs */
+      const double side = i % 2 ? 1.0 : -1.0;
+      still(&t, place[i], 0.5 + side * (way + r), 0.5, 0.25 * (double)(1 + i / 2));
+      t.balls->velocity[place[i]].x = -side;
+    }
+    for (size_t i = 6; i < BALLS; i++) { /* two against each of two walls */
+      const double at = 0.25 * (double)(1 + i % 2);
+      still(&t, place[i], i < 8 ? r + way : at, i < 8 ? at + 0.25 : r + way, 0.875);
+      if (i < 8)
+        t.balls->velocity[place[i]].x = -1.0;
+      else
+        t.balls->velocity[place[i]].y = -1.0;
+    }
+    trial_world(&t);
+    const struct em_observer observer = {.self = &order, .contact = note};
+    assert_int_equal(em_world_observe(t.world, &observer), EM_OK);
+    trial_run(&t, 0.1875);
+    assert_int_equal(order.count, CONTACTS);
+    for (size_t c = 0; c < CONTACTS; c++) {
+      const struct em_contact *b = &order.contact[c];
+      assert_true(b->time == way);
+      assert_int_equal(b->cls == EM_CLASS_BALL, c < 3);
+      if (c == 0 || c == 3) continue;
+      const struct em_contact *a = b - 1;
+      if (b->cls == EM_CLASS_BALL)
+        assert_true(a->ball < b->ball);
+      else
+        assert_true(a->partner < b->partner || (a->partner == b->partner && a->ball < b->ball));
+    }
+    trial_free(&t);
+  }
+  hard_row("order at one time", "three pairs and four contacts with walls at one time, numberings",
+           NUMBERINGS, "balls before walls, each by their numbers", "%s", "as documented");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cradle),
-      cmocka_unit_test(lattice),
-      cmocka_unit_test(stars),
-      cmocka_unit_test(head_on),
+      cmocka_unit_test(cradle),  cmocka_unit_test(lattice),           cmocka_unit_test(stars),
+      cmocka_unit_test(head_on), cmocka_unit_test(order_of_contacts),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
