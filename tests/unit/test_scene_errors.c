@@ -97,7 +97,8 @@ static void types_and_ranges(void **state) {
       {DRUM BALLS "engine = { simd = 1; };",
        "bad.cfg:3: error: engine.simd: found 1, expected true or false"},
       {DRUM BALLS "engine = { lists = \"heap\"; };",
-       "bad.cfg:3: error: engine.lists: found \"heap\", expected \"calendar\", \"tree\" or \"all\""},
+       "bad.cfg:3: error: engine.lists: found \"heap\", expected \"calendar\", \"tree\" or "
+       "\"all\""},
       {DRUM BALLS "engine = { partition = \"cell\"; };",
        "bad.cfg:3: error: engine.partition: unknown \"cell\", expected \"neighbours\", \"cells\", "
        "\"slices\" or \"none\"; did you mean \"cells\"?"},
