@@ -218,7 +218,7 @@ fuzz:
 run-fuzz: $(FUZZ_BIN)
 	@for f in $(call chosen,$(FUZZ_BIN)); do name=$${f##*/fuzz_}; \
 	  mkdir -p $(B)/corpus/$$name; \
-	  LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
+	  LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	  $$f -max_total_time=$(FUZZ_TIME) -timeout=20 -print_final_stats=1 -artifact_prefix=$(B)/ \
 	    $(B)/corpus/$$name $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null) || exit 1; done
 
