@@ -86,12 +86,16 @@ void trial_state(struct trial *t) {
 double trial_energy(struct trial *t) {
   trial_state(t);
   const struct em_balls *b = t->balls;
-  long double sum = 0.0L; /* a million equal terms do not add up in 53 bits */
+  long double sum = 0.0L, rest = 0.0L; /* a million equal terms do not add up even in 64 bits */
   for (size_t i = 0; i < b->count; i++) {
     const double inertia = 0.4 * b->radius[i] * b->radius[i];
     const double spin = inertia * em_vec_norm2(b->spin[i]);
     const double fall = em_vec_dot(t->scene->gravity, b->position[i]);
-    sum += (long double)b->mass[i] * (0.5 * (em_vec_norm2(b->velocity[i]) + spin) - fall);
+    const long double energy =
+        (long double)b->mass[i] * (0.5 * (em_vec_norm2(b->velocity[i]) + spin) - fall);
+    const long double next = sum + (energy - rest);
+    rest = (next - sum) - (energy - rest);
+    sum = next;
   }
   const struct em_energy e = em_world_energy(t->world, b);
   const double whole = e.kinetic + e.spin + fabs(e.potential);
