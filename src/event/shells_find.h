@@ -31,7 +31,7 @@ static inline void row_of(const struct em_shells *s, int axis, float centre, flo
     a = a < 0 ? 0 : a >= n ? n - 1 : a;
     b = b < 0 ? 0 : b >= n ? n - 1 : b;
   }
-  row->count = b - a + 1;
+  row->count = b - a < 2 ? b - a + 1 : 3; /* a fourth one is out of reach but for rounding */
   for (int h = 0; h < 3; h++) {
     const int k = a + h;
     row->cell[h] = k < 0 ? k + n : k >= n ? k - n : k;
@@ -39,8 +39,9 @@ static inline void row_of(const struct em_shells *s, int axis, float centre, flo
   }
 }
 
+/* Not more than a cell's edge; one slack is for the rounding of the row. */
 static inline float reach_of(const struct em_shells *s, float hull) {
-  return (hull + (float)s->hull_most + 2.0f * s->slack) * 1.00001f;
+  return hull + (float)s->hull_most + 2.0f * s->slack;
 }
 
 /* Empty places are infinitely far, so that whole vectors can be looked at. */
