@@ -50,7 +50,8 @@ PKG_CFLAGS := $(if $(MISSING),,$(patsubst -I%,-isystem %,$(shell pkg-config --cf
 PKG_LIBS   := $(if $(MISSING),,$(shell pkg-config --libs $(PACKAGES)))
 LIBS  := $(PKG_LIBS) -lm
 
-# Loops with AVX2 are built beside the plain ones and chosen at run time; never with -mfma.
+# What works on many numbers at a time is built beside the plain code and chosen at run time; never
+# with -mfma, and AVX-512, which has it, without contraction.
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine 2>/dev/null)),)
   AVX2 := yes
   HOUSE += -DEM_HAVE_AVX2
@@ -59,7 +60,7 @@ endif
 ALL_CFLAGS = $(HOUSE) $(SEEK) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)
 
 # ---------------------------------------------------------------- what is built from what
-LIB_SRC  := $(sort $(filter-out src/tool/% $(if $(AVX2),,%_avx2.c),$(wildcard src/*/*.c)))
+LIB_SRC  := $(sort $(filter-out src/tool/% $(if $(AVX2),,%_avx2.c %_avx512.c),$(wildcard src/*/*.c)))
 TOOL_SRC := $(sort $(wildcard src/tool/*.c))
 LIB_OBJ  := $(LIB_SRC:%.c=$(B)/%.o)
 TOOL_OBJ := $(TOOL_SRC:%.c=$(B)/%.o)
@@ -119,7 +120,8 @@ $(B)/version.h: force scripts/version
 $(B)/%.o: %.c $(B)/flags | packages $(B)/version.h
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),-mavx2) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),-mavx2) \
+	  $(if $(filter %_avx512.c,$<),-mavx512f -mavx512dq -mavx512vl) -MMD -MP -c $< -o $@
 
 $(B)/tests/%.o: SEEK += -Itests
 

@@ -102,7 +102,8 @@ struct em_engine {
   enum em_accuracy accuracy;
   int slices;            /* for `slices`; 0: as many as fit, at most 26. Default: 0 */
   double skin;           /* for `neighbours`, in ball diameters; 0: chosen. Default: 0 */
-  bool simd;             /* pair tests by vectors; same bits. Default: true */
+  bool simd;             /* work by vectors; same bits. Default: true */
+  int lanes;             /* doubles of a vector: 4, 8; 0: what the processor has. Default: 0 */
   struct em_roots roots; /* Defaults: those of the accuracy level */
 };
 

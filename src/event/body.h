@@ -84,6 +84,7 @@ struct em_world {
   struct em_local *local;
   const struct em_partition_kind *partition_kind;
   struct em_places *places; /* what the partition keeps */
+  bool cells;               /* that these are cells */
   const struct em_loop_kind *loop;
 
   struct em_observer *observer;
@@ -103,15 +104,16 @@ enum em_loop_flag {
 struct em_loop_kind {
   const char *name;
   unsigned flags;
-  bool avx2;
+  unsigned lanes; /* doubles at a time: 8 with AVX-512, 4 with AVX2, else 1 */
   /* Predicts the next event of every ball anew; false: no memory. */
   bool (*predict_all)(struct em_world *world);
   /* Works off events before `limit` (s within the epoch), at most *left collisions. */
   enum em_status (*run)(struct em_world *world, double limit, uint64_t *left,
                         const volatile sig_atomic_t *stop, struct em_error *err);
 };
-const struct em_loop_kind *em_loop_find(unsigned flags, bool avx2);
+const struct em_loop_kind *em_loop_find(unsigned flags, unsigned lanes);
 const struct em_loop_kind *em_loop_avx2_find(unsigned flags);
+const struct em_loop_kind *em_loop_avx512_find(unsigned flags);
 
 /* Moves all times back by one epoch and predicts everything anew: times stay small, and with them
  * their rounding. */

@@ -1,15 +1,16 @@
 /* The loop for any processor. */
 #include "event/loop_parts.h"
 
-#define LOOP_AVX2 false
+#define LOOP_LANES 1
 #include "event/loop_variants.h"
 
 /* A rotor always comes with the remedies compiled in. */
-const struct em_loop_kind *em_loop_find(unsigned flags, bool avx2) {
+const struct em_loop_kind *em_loop_find(unsigned flags, unsigned lanes) {
   if (flags & EM_LOOP_ROTOR) flags |= EM_LOOP_EXTRA;
 #ifdef EM_HAVE_AVX2
-  if (avx2) return em_loop_avx2_find(flags);
+  if (lanes >= 8) return em_loop_avx512_find(flags);
+  if (lanes >= 4) return em_loop_avx2_find(flags);
 #endif
-  (void)avx2;
+  (void)lanes;
   return find(flags);
 }

@@ -1,7 +1,7 @@
 /* The loop for processors with AVX2. */
 #include "event/loop_parts.h"
 
-#define LOOP_AVX2 true
+#define LOOP_LANES 4
 #include "event/loop_variants.h"
 
 const struct em_loop_kind *em_loop_avx2_find(unsigned flags) {

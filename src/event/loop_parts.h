@@ -1,4 +1,4 @@
-/* What all variants of the loop share: vectors of four, periodic images, bookkeeping. */
+/* What all variants of the loop share: periodic images, bookkeeping. */
 #ifndef EVENTMILL_LOOP_PARTS_H
 #define EVENTMILL_LOOP_PARTS_H
 
@@ -7,7 +7,9 @@
 
 #include "event/body.h"
 #include "event/calendar.h"
+#include "event/cells.h"
 #include "event/collapse.h"
+#include "event/lanes.h"
 #include "event/local_first.h"
 #include "event/partition.h"
 
@@ -15,7 +17,7 @@ struct remedy {
   bool frictionless, elastic;
 };
 
-/* --- lists: the usual ones are worked on in place, the others by call ------------------------- */
+/* --- lists, cells: the usual ones are worked on in place, the others by call ------------------------- */
 
 static inline uint32_t queue_first(struct em_world *w, double *time, uint32_t *rival) {
   return w->calendar ? em_calendar_first(w->queue, time, rival)
@@ -42,6 +44,14 @@ static inline void local_clear(struct em_world *w, uint32_t i) {
     w->local_kind->clear(w->local, i);
   else
     em_local_first_clear(w->local, i);
+}
+
+static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
+  return w->cells ? em_cells_candidates(w, i, count) : w->partition_kind->candidates(w, i, count);
+}
+
+static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
+  return w->cells ? em_cells_surfaces(w, i) : w->partition_kind->surfaces(w, i);
 }
 
 /* --- foresight -------------------------------------------------------------------------------- */
@@ -77,7 +87,7 @@ static inline void foresee(struct em_world *w) {
     const bool leaves = w->leave[ball[k]] <= p->time;
     if (!leaves && p->partner < EM_SURFACE) w->partition_kind->fetch(w, p->partner, true, false);
     uint32_t count;
-    const uint32_t *id = w->partition_kind->candidates(w, ball[k], &count);
+    const uint32_t *id = candidates(w, ball[k], &count);
     for (uint32_t h = 0; h < count; h++) {
       if (leaves) {
         w->partition_kind->fetch(w, id[h], false, false);
@@ -91,7 +101,7 @@ static inline void foresee(struct em_world *w) {
 
 /* --- periodic images -------------------------------------------------------------------------- */
 
-static inline v4d image_shift_four(v4d d, double period, double per_period) {
+static inline vd image_shift(vd d, double period, double per_period) {
   return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
 }
 

@@ -61,64 +61,64 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
   return best;
 }
 
-/* The same four at a time, to the same bits, without branches: what is hit cannot be foretold, and
+/* The same LANES at a time, to the same bits, without branches: what is hit cannot be foretold, and
  * a wrong guess costs more than a root. `fresh`: the last event of all was ball i's, so that
  * the other balls alone have to be moved on. */
 static inline __attribute__((always_inline)) struct em_prediction
-FN(first_of_four)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
+FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
                   bool fresh) {
-  const struct em_body *body = w->body, *a = &body[i];
-  const v4d at = v4d_all(a->t), zero = v4d_all(0.0);
-  const v4l lanes = {0, 1, 2, 3};
-  v4d best = v4d_all(INFINITY);
-  v4l who = v4l_all(EM_NOBODY);
-  for (uint32_t k = 0; k < n; k += 4) {
-    const uint32_t *j = id + k;
-    v4d x, y, z, u, v, m, t, r;
-    four_halves(&body[j[0]].x, &body[j[1]].x, &body[j[2]].x, &body[j[3]].x, &x, &y, &z, &u);
-    four_halves(&body[j[0]].vy, &body[j[1]].vy, &body[j[2]].vy, &body[j[3]].vy, &v, &m, &t, &r);
-    const v4d tr = fresh ? at : v4d_choose(t > at, t, at);
-    const v4d da = tr - at, db = tr - t;
-    v4d xa = v4d_all(a->x), ya = v4d_all(a->y), za = v4d_all(a->z);
+  const struct em_body *a = &w->body[i];
+  const vd at = vd_all(a->t), zero = vd_all(0.0);
+  vd best = vd_all(INFINITY);
+  vl who = vl_all(EM_NOBODY);
+  for (uint32_t k = 0; k < n; k += LANES) {
+    vd b[8]; /* as struct em_body */
+    vd_records(&w->body->x, id + k, b);
+    const vd t = b[6], tr = fresh ? at : vd_choose(vd_below(at, t), t, at);
+    const vd da = tr - at, db = tr - t;
+    vd xa = vd_all(a->x), ya = vd_all(a->y), za = vd_all(a->z);
     if (!fresh) xa = xa + a->vx * da, ya = ya + a->vy * da, za = za + a->vz * da;
-    v4d xb = x + u * db, yb = y + v * db, zb = z + m * db;
-    v4d ua = v4d_all(a->vx), va = v4d_all(a->vy), wa = v4d_all(a->vz);
+    vd xb = b[0] + b[3] * db, yb = b[1] + b[4] * db, zb = b[2] + b[5] * db;
+    vd ua = vd_all(a->vx), va = vd_all(a->vy), wa = vd_all(a->vz);
+    vd ub = b[3], vb = b[4], wb = b[5];
     if (WITH(GRAVITY)) {
       const struct em_vec g = w->gravity;
-      const v4d ha = 0.5 * da * da, hb = 0.5 * db * db;
+      const vd ha = 0.5 * da * da, hb = 0.5 * db * db;
       if (!fresh) {
         xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
         ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
       }
       xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
-      u = u + g.x * db, v = v + g.y * db, m = m + g.z * db;
+      ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
     }
-    v4d dx = xb - xa, dy = yb - ya, dz = zb - za;
-    const v4d du = u - ua, dv = v - va, dw = m - wa;
+    vd dx = xb - xa, dy = yb - ya, dz = zb - za;
+    const vd du = ub - ua, dv = vb - va, dw = wb - wa;
     if (WITH(PERIODIC)) {
-      const v4d ahead = now - tr;
-      dx = dx - image_shift_four(dx + du * ahead, w->period.x, w->per_period.x);
-      dy = dy - image_shift_four(dy + dv * ahead, w->period.y, w->per_period.y);
-      dz = dz - image_shift_four(dz + dw * ahead, w->period.z, w->per_period.z);
+      const vd ahead = now - tr;
+      dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
+      dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+      dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
     }
-    const v4d p = (dx * du + dy * dv) + dz * dw;
-    const v4d sigma = r + a->radius;
-    const v4d c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
-    const v4d disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
-    const v4l hit = (p < zero) & ((c <= zero) | (disc >= zero)) & (lanes < (int64_t)(n - k));
-    const v4d root = c / (v4d_sqrt(v4d_choose(disc > zero, disc, zero)) - p);
-    const v4d time = v4d_choose(hit, tr + v4d_choose(c <= zero, zero, root), v4d_all(INFINITY));
-    const v4l other = {j[0], j[1], j[2], j[3]};
-    const v4l sooner = (time < best) | ((time == best) & (other < who));
-    best = v4d_choose(sooner, time, best);
-    who = v4l_choose(sooner, other, who);
+    const vd p = (dx * du + dy * dv) + dz * dw;
+    const vd sigma = b[7] + a->radius;
+    const vd c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+    const vd disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+    const vm inside = vd_at_most(c, zero);
+    const vm hit =
+        vd_below(p, zero) & (inside | vd_at_most(zero, disc)) & vm_below(n - k);
+    const vd root = c / (vd_sqrt(vd_choose(vd_below(zero, disc), disc, zero)) - p);
+    const vd time = vd_choose(hit, tr + vd_choose(inside, zero, root), vd_all(INFINITY));
+    const vl other = vl_of(id + k);
+    const vm sooner =
+        vd_below(time, best) | (vd_equal(time, best) & vl_below(other, who));
+    best = vd_choose(sooner, time, best);
+    who = vl_choose(sooner, other, who);
   }
-  const v4d all = v4d_least_of(best);
-  const v4l who_first = v4l_choose(best == all, who, v4l_all(EM_NOBODY));
-  const struct em_prediction first = {all[0], (uint32_t)v4l_least_of(who_first), 0};
-  if (first.partner == w->trace[i].last && first.time < INFINITY)
-    return FN(first_of)(w, i, id, n, now);
-  return first;
+  const double first = vd_least_of(best);
+  const vl who_first = vl_choose(vd_equal(best, vd_all(first)), who, vl_all(EM_NOBODY));
+  const uint32_t partner = (uint32_t)vl_least_of(who_first);
+  if (partner == w->trace[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
+  return (struct em_prediction){first, partner, 0};
 }
 
 /* Predicts the contacts of ball i with n candidates. */
@@ -127,8 +127,8 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
   w->tally.candidates += n;
   if (!w->keeps_all) {
     struct em_prediction p = !w->vectors           ? FN(first_of)(w, i, id, n, now)
-                             : w->body[i].t >= now ? FN(first_of_four)(w, i, id, n, now, true)
-                                                   : FN(first_of_four)(w, i, id, n, now, false);
+                             : w->body[i].t >= now ? FN(first_of_many)(w, i, id, n, now, true)
+                                                   : FN(first_of_many)(w, i, id, n, now, false);
     if (p.time == INFINITY) return true;
     p.counter = w->trace[p.partner].counter;
     return local_add(w, i, &p);
@@ -234,7 +234,7 @@ static bool FN(predict_room)(struct em_world *w, uint32_t i, double h) {
 /* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
  * place or meets another ball. */
 static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
-  const uint32_t near = w->partition_kind->surfaces(w, i);
+  const uint32_t near = surfaces(w, i);
   if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
   if (!WITH(ROTOR) || !(near & ~EM_NEAR_WALL)) return true;
   const double h = FN(until)(w, i) - w->body[i].t;
@@ -255,7 +255,7 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
  * quarter at 10⁵ balls, nothing where the balls fit into the cache. */
 static void FN(fetch)(struct em_world *w, uint32_t i) {
   uint32_t n;
-  const uint32_t *id = w->partition_kind->candidates(w, i, &n);
+  const uint32_t *id = candidates(w, i, &n);
   for (uint32_t k = 0; k < n; k++) {
     __builtin_prefetch(&w->body[id[k]]);
     __builtin_prefetch(&w->trace[id[k]]);
@@ -265,7 +265,7 @@ static void FN(fetch)(struct em_world *w, uint32_t i) {
 /* Predicts all events of ball i anew. */
 static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
-  const uint32_t *id = w->partition_kind->candidates(w, i, &n);
+  const uint32_t *id = candidates(w, i, &n);
   w->tally.predictions++;
   local_clear(w, i);
   if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
@@ -495,10 +495,19 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
 
 /* --- the loop --------------------------------------------------------------------------------- */
 
+static void FN(moved)(struct em_world *w, uint32_t i) {
+  if (w->cells)
+    em_cells_moved(w, i, WITH(GRAVITY), WITH(PERIODIC));
+  else
+    w->partition_kind->moved(w, i);
+}
+
 /* Ball i has reached the end of its place. */
 static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
-  const uint32_t *id = w->partition_kind->cross(w, i, now, &n);
+  const uint32_t *id = w->cells
+                           ? em_cells_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
+                           : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;
   if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
@@ -548,8 +557,8 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
       FN(fetch)(w, i);
       if (pair) FN(fetch)(w, partner);
     }
-    w->partition_kind->moved(w, i);
-    if (pair) w->partition_kind->moved(w, partner);
+    FN(moved)(w, i);
+    if (pair) FN(moved)(w, partner);
     if (!FN(predict)(w, i, at) || (pair && !FN(predict)(w, partner, at))) return no_memory(err);
   }
   return EM_OK;

@@ -1,4 +1,4 @@
-/* All variants of the loop, a template: LOOP_AVX2 says for which processors they are compiled here.
+/* All variants of the loop, a template: LOOP_LANES says how many doubles they work on at a time.
  */
 
 #define LOOP       plain
@@ -81,10 +81,10 @@
 #define LOOP_FLAGS (EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR | EM_LOOP_EXTRA)
 #include "event/loop_template.h"
 
-#define VARIANT(suffix, set, title)                                                      \
-  {                                                                                      \
-    .name = title, .flags = set, .avx2 = LOOP_AVX2, .predict_all = predict_all_##suffix, \
-    .run = run_##suffix                                                                  \
+#define VARIANT(suffix, set, title)                                                        \
+  {                                                                                        \
+    .name = title, .flags = set, .lanes = LOOP_LANES, .predict_all = predict_all_##suffix, \
+    .run = run_##suffix                                                                    \
   }
 static const struct em_loop_kind kinds[] = {
     VARIANT(plain, 0, "plain"),

@@ -420,7 +420,7 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   return p->shell && p->list && p->mark && (p->near || !any) &&
          grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
-                        w->loop->avx2);
+                        w->loop->lanes >= 4);
 }
 
 /* Enters the balls one by one; each finds those entered before. */

@@ -3,9 +3,7 @@
 /* Appends the names of those of eight shells whose bits are set; writes up to eight places. */
 static inline uint32_t *append(uint32_t *id, const float *name, unsigned near) {
 #ifdef __AVX2__
-  const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)&PACK[near]));
-  const __m256i all = _mm256_load_si256((const __m256i *)name);
-  _mm256_storeu_si256((__m256i *)id, _mm256_permutevar8x32_epi32(all, order));
+  _mm256_storeu_si256((__m256i *)id, pack(_mm256_load_si256((const __m256i *)name), near));
   return id + __builtin_popcount(near);
 #else
   for (; near; near &= near - 1)

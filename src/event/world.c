@@ -123,6 +123,20 @@ static void set_balls(struct em_world *w, const struct em_balls *balls) {
   if (w->count) w->mass0 = balls->mass[0];
 }
 
+/* How many doubles the loop works on at a time. */
+static unsigned lanes_of(const struct em_engine *engine) {
+#ifdef EM_HAVE_AVX2
+  const bool wide = engine->lanes == 0 || engine->lanes == 8;
+  if (!engine->simd) return 1;
+  if (wide && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl"))
+    return 8;
+  if (__builtin_cpu_supports("avx2")) return 4;
+#endif
+  (void)engine;
+  return 1;
+}
+
 /* A world with its balls, but without lists. */
 static enum em_status begin(struct em_world **world, const struct em_scene *scene,
                             const struct em_balls *balls, struct em_error *err) {
@@ -144,13 +158,7 @@ static enum em_status begin(struct em_world **world, const struct em_scene *scen
   }
   set_balls(w, balls);
   set_times(w);
-  const bool avx2 =
-#ifdef EM_HAVE_AVX2
-      scene->engine.simd && __builtin_cpu_supports("avx2");
-#else
-      false;
-#endif
-  w->loop = em_loop_find(flags_of(effects) | set_roots(w), avx2);
+  w->loop = em_loop_find(flags_of(effects) | set_roots(w), lanes_of(&scene->engine));
   if (!w->loop) {
     em_world_free(w);
     return em_error_set(err, EM_INPUT, scene->file, 0,
@@ -168,6 +176,7 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
   w->queue_kind = em_queue_find(scene->engine.lists);
   w->local_kind = em_local_find(scene->engine.lists);
   w->partition_kind = em_partition_find(scene->engine.partition);
+  w->cells = w->partition_kind == &em_partition_cells;
   w->calendar = w->queue_kind == &em_queue_calendar;
   w->keeps_all = w->local_kind->keeps_all;
   w->queue = w->queue_kind->make(w->count, spacing);

@@ -200,7 +200,10 @@ static const struct em_scene_entry engine[] = {
      "for partition \"slices\"; 0: as many as fit, at most 26"},
     {"skin", EM_KIND_REAL, AT(em_engine, skin), "0", RANGE(0, 100), "ball diameters",
      "for partition \"neighbours\"; 0: chosen"},
-    {"simd", EM_KIND_BOOLEAN, AT(em_engine, simd), "true", ANY, "", "pair tests by vectors"},
+    {"simd", EM_KIND_BOOLEAN, AT(em_engine, simd), "true", ANY, "",
+     "pairs and partners by vectors; the same results without"},
+    {"lanes", EM_KIND_INTEGER, AT(em_engine, lanes), "0", RANGE(0, 8), "numbers",
+     "of a vector, 4 or 8; 0: as many as the processor has"},
 };
 TABLE(engine, "engine", engine);
 

@@ -1,0 +1,9 @@
+/* The loop for processors with AVX-512. */
+#include "event/loop_parts.h"
+
+#define LOOP_LANES 8
+#include "event/loop_variants.h"
+
+const struct em_loop_kind *em_loop_avx512_find(unsigned flags) {
+  return find(flags);
+}
