@@ -56,8 +56,10 @@ static inline double vd_least_of(vd a) {
   return _mm512_reduce_min_pd(a);
 }
 
-static inline int64_t vl_least_of(vl a) {
-  return _mm512_reduce_min_epi64((__m512i)a);
+/* The least of the chosen lanes, at least one. */
+static inline int64_t vl_least_of(vm in, vl a) {
+  if (__builtin_expect(in & (in - 1), 0)) return _mm512_mask_reduce_min_epi64(in, (__m512i)a);
+  return _mm_cvtsi128_si64(_mm512_castsi512_si128(_mm512_maskz_compress_epi64(in, (__m512i)a)));
 }
 
 /* Unsigned numbers as lanes. */
@@ -140,8 +142,8 @@ static inline double vd_least_of(vd a) {
   return v4d_least_of(a)[0];
 }
 
-static inline int64_t vl_least_of(vl a) {
-  return v4l_least_of(a);
+static inline int64_t vl_least_of(vm in, vl a) {
+  return v4l_least_of(v4l_choose(in, a, v4l_all(INT64_MAX)));
 }
 
 static inline vl vl_of(const uint32_t id[LANES]) {

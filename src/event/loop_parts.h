@@ -35,6 +35,13 @@ static inline const struct em_prediction *local_first(const struct em_world *w, 
   return w->keeps_all ? w->local_kind->first(w->local, i) : em_local_first_get(w->local, i);
 }
 
+/* When ball i meets what it meets first, or leaves its place. */
+static inline double local_least(const struct em_world *w, uint32_t i) {
+  const struct em_prediction *p = w->keeps_all ? w->local_kind->first(w->local, i)
+                                               : &w->local->earliest[i];
+  return p && p->time < w->leave[i] ? p->time : w->leave[i];
+}
+
 static inline bool local_add(struct em_world *w, uint32_t i, const struct em_prediction *p) {
   return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }

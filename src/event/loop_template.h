@@ -115,24 +115,26 @@ FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
     who = vl_choose(sooner, other, who);
   }
   const double first = vd_least_of(best);
-  const vl who_first = vl_choose(vd_equal(best, vd_all(first)), who, vl_all(EM_NOBODY));
-  const uint32_t partner = (uint32_t)vl_least_of(who_first);
+  const uint32_t partner = (uint32_t)vl_least_of(vd_equal(best, vd_all(first)), who);
   if (partner == w->trace[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
   return (struct em_prediction){first, partner, 0};
 }
 
-/* Predicts the contacts of ball i with n candidates. */
-static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
-                              double now) {
+/* Predicts the contacts of ball i with n candidates: beside what has been predicted, or `anew`. */
+static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
+                                     double now, bool anew) {
   w->tally.candidates += n;
   if (!w->keeps_all) {
     struct em_prediction p = !w->vectors           ? FN(first_of)(w, i, id, n, now)
                              : w->body[i].t >= now ? FN(first_of_many)(w, i, id, n, now, true)
                                                    : FN(first_of_many)(w, i, id, n, now, false);
-    if (p.time == INFINITY) return true;
-    p.counter = w->trace[p.partner].counter;
-    return local_add(w, i, &p);
+    if (!anew && p.time == INFINITY) return true;
+    p.counter = w->trace[p.partner < w->count ? p.partner : i].counter;
+    if (!anew) return local_add(w, i, &p);
+    w->local->earliest[i] = p;
+    return true;
   }
+  if (anew) w->local_kind->clear(w->local, i);
   for (uint32_t k = 0; k < n; k++) {
     const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->trace[id[k]].counter};
     if (p.time < INFINITY && !local_add(w, i, &p)) return false;
@@ -142,11 +144,9 @@ static bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id
 
 /* --- prediction of surfaces ------------------------------------------------------------------- */
 
+/* How far ahead contacts with surfaces matter. */
 static double FN(until)(const struct em_world *w, uint32_t i) {
-  const double leave = w->leave[i];
-  if (w->keeps_all) return leave;
-  const struct em_prediction *p = local_first(w, i);
-  return p && p->time < leave ? p->time : leave;
+  return w->keeps_all ? w->leave[i] : local_least(w, i);
 }
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
@@ -246,9 +246,7 @@ static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
 }
 
 static void FN(schedule)(struct em_world *w, uint32_t i) {
-  const struct em_prediction *p = local_first(w, i);
-  const double t = p && p->time < w->leave[i] ? p->time : w->leave[i];
-  queue_set(w, i, t);
+  queue_set(w, i, local_least(w, i));
 }
 
 /* Asks memory for all that a prediction of ball i will read: the misses then overlap. Gains a
@@ -267,8 +265,7 @@ static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
   const uint32_t *id = candidates(w, i, &n);
   w->tally.predictions++;
-  local_clear(w, i);
-  if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
+  if (!FN(predict_pairs)(w, i, id, n, now, true) || !FN(predict_surfaces)(w, i)) return false;
   FN(schedule)(w, i);
   return true;
 }
@@ -510,7 +507,7 @@ static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
                            : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;
-  if (!FN(predict_pairs)(w, i, id, n, now) || !FN(predict_surfaces)(w, i)) return false;
+  if (!FN(predict_pairs)(w, i, id, n, now, false) || !FN(predict_surfaces)(w, i)) return false;
   FN(schedule)(w, i);
   return true;
 }
