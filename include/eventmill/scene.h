@@ -80,6 +80,7 @@ enum em_lists { EM_LISTS_LIST(EM_LISTS_ENUM) EM_LISTS_COUNT };
 #undef EM_LISTS_ENUM
 
 #define EM_PARTITION_LIST(X)                                                  \
+  X(AUTO, "auto")             /* cells, or lists where these are faster */    \
   X(NEIGHBOURS, "neighbours") /* near-neighbour lists with a skin */          \
   X(CELLS, "cells")           /* cubes */                                     \
   X(SLICES, "slices")         /* discs along y with check-in and check-out */ \

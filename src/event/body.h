@@ -25,7 +25,7 @@ struct em_trace {
   uint32_t streak;  /* contacts in a row, each within world.within of the one before */
 };
 
-enum { EM_FETCH_FROM = 8192 }; /* balls: from here on they do not fit into the nearest caches */
+enum { EM_FETCH_FROM = 24576 }; /* balls: from here on they do not fit into the nearest caches */
 
 /* Partners are balls (their index) or surfaces (EM_SURFACE + number). */
 enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };

@@ -8,6 +8,7 @@
 #define EVENTMILL_EVENT_CELLS_H
 
 #include <math.h>
+#include <string.h>
 
 #include "event/pack.h"
 #include "event/partition.h"
@@ -193,21 +194,30 @@ static inline uint32_t *em_cells_append(const uint32_t *slot, uint32_t width, ui
 #endif
 }
 
-/* The balls of the cells from[a] … to[a] beside that of ball i (0: one lower, 1: its own, 2: one
- * higher) but ball i go to p->found, and any balls behind them; returns how many. */
+/* The rows of the cells from[a] … to[a] beside that of ball i (0: one lower, 1: its own, 2: one
+ * higher); returns how many. */
+static inline uint32_t em_cells_rows(const struct em_places *p, uint32_t i, const int from[3],
+                                     const int to[3], const uint32_t *row[9]) {
+  const uint16_t *at = p->place[i].at;
+  const ptrdiff_t x = (ptrdiff_t)p->axis[0].line[at[0]] + from[0] - 1;
+  const uint32_t *y = p->axis[1].line + at[1] - 1, *z = p->axis[2].line + at[2] - 1;
+  uint32_t n = 0;
+  for (int c = from[2]; c <= to[2]; c++)
+    for (int b = from[1]; b <= to[1]; b++)
+      row[n++] = p->slot + ((ptrdiff_t)z[c] + y[b] + x) * p->room;
+  return n;
+}
+
+/* The balls in these cells but ball i go to p->found, and any balls behind them; returns how many. */
 static inline uint32_t em_cells_collect(const struct em_places *p, uint32_t i, const int from[3],
                                         const int to[3]) {
-  const uint16_t *at = p->place[i].at;
-  const uint32_t x = p->axis[0].line[at[0]] + (uint32_t)from[0] - 1, room = p->room;
-  const uint32_t *y = p->axis[1].line + at[1] - 1, *z = p->axis[2].line + at[2] - 1;
-  const uint32_t width = (uint32_t)(to[0] - from[0] + 1) * room;
+  const uint32_t *row[9];
+  const uint32_t n = em_cells_rows(p, i, from, to, row);
+  const uint32_t width = (uint32_t)(to[0] - from[0] + 1) * p->room;
   uint32_t *end = p->found;
-  for (int c = from[2]; c <= to[2]; c++)
-    for (int b = from[1]; b <= to[1]; b++) {
-      const uint32_t *row = p->slot + (size_t)(z[c] + y[b] + x) * room;
-      for (uint32_t k = 0; k < width; k += 12)
-        end = em_cells_append(row + k, width - k < 12 ? width - k : 12, i, end);
-    }
+  for (uint32_t h = 0; h < n; h++)
+    for (uint32_t k = 0; k < width; k += 12)
+      end = em_cells_append(row[h] + k, width - k < 12 ? width - k : 12, i, end);
   memset(end, 0, 8 * sizeof *end);
   return (uint32_t)(end - p->found);
 }
@@ -242,6 +252,49 @@ static inline const uint32_t *em_cells_cross(struct em_world *w, uint32_t i, dou
   from[a] = to[a] = exit & 1 ? 2 : 0; /* only these cells are new */
   *count = em_cells_collect(p, i, from, to);
   return p->found;
+}
+
+/* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end of
+ * the grid, which is rare. */
+static inline bool em_cells_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
+  const struct em_cells_place *here = &p->place[i];
+  const unsigned a = here->exit / 2;
+  if (here->exit == EM_CELLS_STAYS) return false;
+  const int next = here->at[a] + (here->exit & 1 ? 2 : -2);
+  memcpy(from, p->from, sizeof p->from);
+  memcpy(to, p->to, sizeof p->to);
+  from[a] = to[a] = here->exit & 1 ? 3 : -1;
+  return next >= 1 && next <= p->axis[a].n;
+}
+
+/* Asks memory for where ball i is, then for the slots that will be looked through. */
+static inline void em_cells_fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
+  const struct em_places *p = w->places;
+  if (!beyond) {
+    __builtin_prefetch(&p->place[i]);
+    return;
+  }
+  int from[3], to[3];
+  if (!leaves || !em_cells_ahead(p, i, from, to)) {
+    memcpy(from, p->from, sizeof from);
+    memcpy(to, p->to, sizeof to);
+  }
+  const uint32_t *row[9];
+  const uint32_t n = em_cells_rows(p, i, from, to, row);
+  for (uint32_t k = 0; k < n; k++) {
+    __builtin_prefetch(row[k]);
+    __builtin_prefetch(row[k] + 3 * p->room - 1);
+  }
+}
+
+/* Asks memory for the balls that will be tested. */
+static inline void em_cells_fetch_balls(struct em_world *w, uint32_t i, bool leaves) {
+  const struct em_places *p = w->places;
+  int from[3], to[3];
+  const bool ahead = leaves && em_cells_ahead(p, i, from, to);
+  const uint32_t n = em_cells_collect(p, i, ahead ? from : p->from, ahead ? to : p->to);
+  for (uint32_t k = 0; k < n; k++)
+    __builtin_prefetch(&w->body[p->found[k]]);
 }
 
 static inline uint32_t em_cells_surfaces(const struct em_world *w, uint32_t i) {

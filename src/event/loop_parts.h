@@ -72,7 +72,7 @@ static inline void fetch_ball(const struct em_world *w, uint32_t i) {
   __builtin_prefetch(&w->leave[i]);
   __builtin_prefetch(&w->local->earliest[i]);
   __builtin_prefetch(&w->queue->link[i]);
-  if (w->partition_kind->fetch) w->partition_kind->fetch(w, i, false, false);
+  w->partition_kind->fetch(w, i, false, false);
 }
 
 /* The calendar knows which balls come next: what their events will read is asked for two bins
@@ -93,6 +93,10 @@ static inline void foresee(struct em_world *w) {
     const struct em_prediction *p = &w->local->earliest[ball[k]];
     const bool leaves = w->leave[ball[k]] <= p->time;
     if (!leaves && p->partner < EM_SURFACE) w->partition_kind->fetch(w, p->partner, true, false);
+    if (w->cells) {
+      em_cells_fetch_balls(w, ball[k], leaves);
+      continue;
+    }
     uint32_t count;
     const uint32_t *id = candidates(w, ball[k], &count);
     for (uint32_t h = 0; h < count; h++) {

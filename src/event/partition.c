@@ -3,8 +3,24 @@
 
 #include <math.h>
 
-const struct em_partition_kind *em_partition_find(enum em_partition partition) {
-  switch (partition) {
+double em_partition_fraction(const struct em_world *w) {
+  double balls = 0.0;
+  for (uint32_t i = 0; i < w->count; i++)
+    balls += pow(w->body[i].radius, 3.0);
+  return balls * 4.0 / 3.0 * M_PI / em_scene_volume(w->scene);
+}
+
+/* Measured: where balls crowd, 27 cells hold twice as many as come near; where sizes differ, cells
+ * fit the largest and hold too many of the small ones. */
+static const struct em_partition_kind *fastest(const struct em_world *w) {
+  const bool alike = w->largest < 1.3 * w->smallest;
+  return alike && em_partition_fraction(w) < 0.4 ? &em_partition_cells : &em_partition_neighbours;
+}
+
+const struct em_partition_kind *em_partition_find(const struct em_world *w) {
+  switch (w->scene->engine.partition) {
+  case EM_PARTITION_AUTO:
+    return fastest(w);
   case EM_PARTITION_NEIGHBOURS:
     return &em_partition_neighbours;
   case EM_PARTITION_CELLS:
@@ -44,14 +60,17 @@ double em_partition_stay(const struct em_world *w, uint32_t i, double from, stru
 }
 
 uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double radius,
-                             double room) {
+                             struct em_vec half) {
+  const double room = em_vec_norm(half);
   uint32_t mask = 0;
   for (uint32_t k = 0; k < w->blade_count; k++) {
     const struct em_blade *b = &w->blade[k].blade;
     const struct em_vec q = em_vec_sub(c, b->centre);
-    const double axial = em_vec_dot(q, b->axis), pad = radius + room;
-    if (fabs(axial) > b->radius + pad) continue;
-    const double far = w->blade[k].hull + pad;
+    const double axial = em_vec_dot(q, b->axis);
+    const double spread = fabs(b->axis.x) * half.x + fabs(b->axis.y) * half.y +
+                          fabs(b->axis.z) * half.z;
+    if (fabs(axial) > b->radius + radius + spread) continue;
+    const double far = w->blade[k].hull + radius + room;
     if (em_vec_norm2(q) - axial * axial > far * far) continue;
     mask |= EM_NEAR_BLADE(k);
   }

@@ -46,7 +46,11 @@ extern const struct em_partition_kind em_partition_cells;
 extern const struct em_partition_kind em_partition_slices;
 extern const struct em_partition_kind em_partition_none;
 
-const struct em_partition_kind *em_partition_find(enum em_partition partition);
+/* The one that the scene names, or the fastest for the world's balls. */
+const struct em_partition_kind *em_partition_find(const struct em_world *world);
+
+/* Packing fraction of the balls in the chamber. */
+double em_partition_fraction(const struct em_world *world);
 
 /* Latest safe time (s within the epoch) until which ball i, where it is at the time `from` (≥ its
  * own), stays within `room` (m) of the point c: a lower bound of the true time under gravity, never
@@ -54,9 +58,9 @@ const struct em_partition_kind *em_partition_find(enum em_partition partition);
 double em_partition_stay(const struct em_world *world, uint32_t i, double from, struct em_vec c,
                          double room);
 
-/* The blades, as bits EM_NEAR_BLADE, that a ball whose centre stays within `room` of c can touch.
+/* The blades, as bits EM_NEAR_BLADE, that a ball whose centre stays in the box c ± half can touch.
  */
 uint32_t em_partition_blades(const struct em_world *world, struct em_vec c, double radius,
-                             double room);
+                             struct em_vec half);
 
 #endif

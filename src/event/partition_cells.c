@@ -49,6 +49,10 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   return em_cells_cross(w, i, now, count, true, true);
 }
 
+static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
+  em_cells_fetch(w, i, beyond, leaves);
+}
+
 static uint32_t surfaces(const struct em_world *w, uint32_t i) {
   return em_cells_surfaces(w, i);
 }
@@ -139,7 +143,7 @@ static uint32_t surfaces_near(const struct em_world *w, const double c[3], const
   const double reach = w->largest + slack;
   const double low[3] = {w->low.x, w->low.y, w->low.z}, high[3] = {w->high.x, w->high.y, w->high.z};
   uint32_t near = em_partition_blades(w, em_vec_make(c[0], c[1], c[2]), w->largest,
-                                      hypot(half[0], hypot(half[1], half[2])) + slack);
+                                      em_vec_make(half[0] + slack, half[1] + slack, half[2] + slack));
   const double far = hypot(fabs(c[0]) + half[0], fabs(c[2]) + half[2]) + reach;
   if (w->drum && !(far < w->rho)) near |= EM_NEAR_WALL;
   for (int a = 0; a < 3; a++) {
@@ -240,6 +244,7 @@ const struct em_partition_kind em_partition_cells = {
     .moved = moved,
     .cross = cross,
     .surfaces = surfaces,
+    .fetch = fetch,
     .bytes = bytes,
     .is_valid = is_valid,
 };

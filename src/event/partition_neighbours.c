@@ -216,7 +216,7 @@ static void set_bend(const struct em_world *w, struct em_places *p, double usual
 static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, double reach) {
   const double x = (double)s->centre[0], y = (double)s->centre[1], z = (double)s->centre[2];
   const double r = reach * (1.0 + 1e-6), in = w->rho - r;
-  uint32_t near = em_partition_blades(w, em_vec_make(x, y, z), r, 0.0);
+  uint32_t near = em_partition_blades(w, em_vec_make(x, y, z), r, em_vec_make(0.0, 0.0, 0.0));
   if (w->drum && !(in > 0.0 && x * x + z * z < in * in)) near |= EM_NEAR_WALL;
   if (w->wall[0] && !(x - r > w->low.x && x + r < w->high.x)) near |= EM_NEAR_WALL;
   if (w->wall[2] && !(y - r > w->low.y && y + r < w->high.y)) near |= EM_NEAR_WALL;
@@ -372,10 +372,7 @@ static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves
  * outwards, so that they crowd more than the fraction says. Measured. */
 static double skin_for(const struct em_world *w) {
   if (w->scene->engine.skin > 0.0) return w->scene->engine.skin;
-  double balls = 0.0;
-  for (uint32_t i = 0; i < w->count; i++)
-    balls += pow(w->body[i].radius, 3.0);
-  const double phi = fmax(balls * 4.0 / 3.0 * M_PI / em_scene_volume(w->scene), 1e-3);
+  const double phi = fmax(em_partition_fraction(w), 1e-3);
   return fmin(1.0, w->blade_count ? 0.18 / cbrt(phi) : 0.177 / sqrt(phi));
 }
 

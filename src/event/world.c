@@ -175,7 +175,7 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
       2.0 * w->smallest / em_scene_typical_speed(scene) / fmax(1.0, (double)w->count);
   w->queue_kind = em_queue_find(scene->engine.lists);
   w->local_kind = em_local_find(scene->engine.lists);
-  w->partition_kind = em_partition_find(scene->engine.partition);
+  w->partition_kind = em_partition_find(w);
   w->cells = w->partition_kind == &em_partition_cells;
   w->calendar = w->queue_kind == &em_queue_calendar;
   w->keeps_all = w->local_kind->keeps_all;

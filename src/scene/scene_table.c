@@ -175,8 +175,9 @@ TABLE(class, "contact.CLASS", class);
 static const struct em_scene_entry engine[] = {
     {"lists", EM_KIND_NAME, AT(em_engine, lists), "calendar", ONE_OF(lists), "",
      "structure of the event lists"},
-    {"partition", EM_KIND_NAME, AT(em_engine, partition), "neighbours", ONE_OF(partitions), "",
-     "how a ball's possible partners are found"},
+    {"partition", EM_KIND_NAME, AT(em_engine, partition), "auto", ONE_OF(partitions), "",
+     "how a ball's possible partners are found; auto: cells, but neighbours where balls crowd or "
+     "their sizes differ"},
     {"accuracy", EM_KIND_NAME, AT(em_engine, accuracy), "standard", ONE_OF(accuracies), "",
      "a set of the entries from quartic to polish, as far as the scene does not give them"},
     {"quartic", EM_KIND_NAME, AT(em_engine, roots.quartic), "safe", ONE_OF(quartics), "",

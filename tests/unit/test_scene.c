@@ -56,7 +56,7 @@ static void defaults_of_all_entries(void **state) {
     assert_true(s->contact[k].tangential == 0.9 && s->contact[k].friction == 0.1);
   }
   assert_int_equal(s->engine.lists, EM_LISTS_CALENDAR);
-  assert_int_equal(s->engine.partition, EM_PARTITION_NEIGHBOURS);
+  assert_int_equal(s->engine.partition, EM_PARTITION_AUTO);
   assert_int_equal(s->engine.accuracy, EM_ACCURACY_STANDARD);
   assert_int_equal(s->engine.roots.quartic, EM_QUARTIC_SAFE);
   assert_true(s->engine.slices == 0 && s->engine.skin == 0.0 && s->engine.simd);
