@@ -82,14 +82,15 @@ static inline v4d em_cells_curved(const struct em_places *p, v4d x, v4d v, v4d l
                                   v4l *up) {
   const v4d zero = v4d_all(0.0), g = p->pull;
   const v4d u = v4d_choose(p->turned, -v, v), to_low = x - low, to_high = high - x;
-  v4d above = v4d_choose(p->turned, to_low, to_high), below = v4d_choose(p->turned, to_high, to_low);
+  v4d above = v4d_choose(p->turned, to_low, to_high),
+      below = v4d_choose(p->turned, to_high, to_low);
   above = v4d_choose(above > zero, above, zero);
   below = v4d_choose(below > zero, below, zero);
   const v4d left = u * u - 2.0 * g * above, root = v4d_sqrt(u * u + 2.0 * g * below);
   const v4l mounts = u > zero, over = mounts & (left > zero);
   const v4d way = v4d_choose(over, 2.0 * above, v4d_choose(mounts, u + root, 2.0 * below));
-  const v4d rate = v4d_choose(over, u + v4d_sqrt(v4d_choose(over, left, zero)),
-                              v4d_choose(mounts, g, root - u));
+  const v4d rate =
+      v4d_choose(over, u + v4d_sqrt(v4d_choose(over, left, zero)), v4d_choose(mounts, g, root - u));
   *up = over ^ p->turned;
   return v4d_choose(rate == zero, v4d_choose(g > zero, zero, v4d_all(INFINITY)), way / rate);
 }
@@ -208,7 +209,8 @@ static inline uint32_t em_cells_rows(const struct em_places *p, uint32_t i, cons
   return n;
 }
 
-/* The balls in these cells but ball i go to p->found, and any balls behind them; returns how many. */
+/* The balls in these cells but ball i go to p->found, and any balls behind them; returns how many.
+ */
 static inline uint32_t em_cells_collect(const struct em_places *p, uint32_t i, const int from[3],
                                         const int to[3]) {
   const uint32_t *row[9];
@@ -254,8 +256,8 @@ static inline const uint32_t *em_cells_cross(struct em_world *w, uint32_t i, dou
   return p->found;
 }
 
-/* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end of
- * the grid, which is rare. */
+/* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end
+ * of the grid, which is rare. */
 static inline bool em_cells_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
   const struct em_cells_place *here = &p->place[i];
   const unsigned a = here->exit / 2;

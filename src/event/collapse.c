@@ -104,3 +104,24 @@ enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint
       (double)w->epoch * w->epoch_length + t, i, x.x, x.y, x.z, with,
       w->scene->remedy.collapse_after, w->within, advice);
 }
+
+bool em_collapse_sticks(const struct em_world *w, const struct em_contact_law *law, double vn) {
+  enum { SEVERAL = 8 };
+  const struct em_remedy *r = &w->scene->remedy;
+  if (w->tally.vn[EM_CLASS_BALL][0] + 1 < SEVERAL || r->tc > 0.0 || r->elastic_below > 0.0)
+    return false;
+  double square = 0.0;
+  for (uint32_t i = 0; i < w->count; i++)
+    square += em_vec_norm2(em_body_velocity(w, i, w->clock)) / w->count;
+  return sqrt(square) > 1e-4 && em_contact_restitution(&law->normal, vn) < 0.99;
+}
+
+enum em_status em_collapse_stuck(const struct em_world *w, uint32_t i, uint32_t j, double t,
+                                 double vn, struct em_error *err) {
+  const struct em_vec x = em_body_at(w, i, t);
+  return em_error_set(
+      err, EM_COLLAPSE, w->scene->file, 0,
+      "inelastic collapse at %.9g s: ball %u at (%.6g, %.6g, %.6g) m and ball %u hit each other "
+      "ever more often, by now at %.3g m/s; remedy.tc or remedy.elastic_below prevents it",
+      (double)w->epoch * w->epoch_length + t, i, x.x, x.y, x.z, j, vn);
+}

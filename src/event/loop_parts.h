@@ -17,7 +17,8 @@ struct remedy {
   bool frictionless, elastic;
 };
 
-/* --- lists, cells: the usual ones are worked on in place, the others by call ------------------------- */
+/* --- lists, cells: the usual ones are worked on in place, the others by call
+ * ------------------------- */
 
 static inline uint32_t queue_first(struct em_world *w, double *time, uint32_t *rival) {
   return w->calendar ? em_calendar_first(w->queue, time, rival)
@@ -37,8 +38,8 @@ static inline const struct em_prediction *local_first(const struct em_world *w, 
 
 /* When ball i meets what it meets first, or leaves its place. */
 static inline double local_least(const struct em_world *w, uint32_t i) {
-  const struct em_prediction *p = w->keeps_all ? w->local_kind->first(w->local, i)
-                                               : &w->local->earliest[i];
+  const struct em_prediction *p =
+      w->keeps_all ? w->local_kind->first(w->local, i) : &w->local->earliest[i];
   return p && p->time < w->leave[i] ? p->time : w->leave[i];
 }
 

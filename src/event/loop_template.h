@@ -104,13 +104,11 @@ FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
     const vd c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
     const vd disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
     const vm inside = vd_at_most(c, zero);
-    const vm hit =
-        vd_below(p, zero) & (inside | vd_at_most(zero, disc)) & vm_below(n - k);
+    const vm hit = vd_below(p, zero) & (inside | vd_at_most(zero, disc)) & vm_below(n - k);
     const vd root = c / (vd_sqrt(vd_choose(vd_below(zero, disc), disc, zero)) - p);
     const vd time = vd_choose(hit, tr + vd_choose(inside, zero, root), vd_all(INFINITY));
     const vl other = vl_of(id + k);
-    const vm sooner =
-        vd_below(time, best) | (vd_equal(time, best) & vl_below(other, who));
+    const vm sooner = vd_below(time, best) | (vd_equal(time, best) & vl_below(other, who));
     best = vd_choose(sooner, time, best);
     who = vl_choose(sooner, other, who);
   }
@@ -378,6 +376,8 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));
   const struct em_contact_law *law = &w->scene->contact[EM_CLASS_BALL];
   const struct em_impulse p = em_contact_impulse(law, meff, e, g, act.frictionless, act.elastic);
+  if (vn_bin(p.vn) == 0 && em_collapse_sticks(w, law, p.vn))
+    return em_collapse_stuck(w, i, j, t, p.vn, err);
   const struct em_vec sum = em_vec_add(p.normal, p.tangential);
   double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
   FN(push)(w, i, mi, sum);
@@ -502,9 +502,8 @@ static void FN(moved)(struct em_world *w, uint32_t i) {
 /* Ball i has reached the end of its place. */
 static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
-  const uint32_t *id = w->cells
-                           ? em_cells_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
-                           : w->partition_kind->cross(w, i, now, &n);
+  const uint32_t *id = w->cells ? em_cells_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
+                                : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;
   if (!FN(predict_pairs)(w, i, id, n, now, false) || !FN(predict_surfaces)(w, i)) return false;

@@ -67,8 +67,8 @@ uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double r
     const struct em_blade *b = &w->blade[k].blade;
     const struct em_vec q = em_vec_sub(c, b->centre);
     const double axial = em_vec_dot(q, b->axis);
-    const double spread = fabs(b->axis.x) * half.x + fabs(b->axis.y) * half.y +
-                          fabs(b->axis.z) * half.z;
+    const double spread =
+        fabs(b->axis.x) * half.x + fabs(b->axis.y) * half.y + fabs(b->axis.z) * half.z;
     if (fabs(axial) > b->radius + radius + spread) continue;
     const double far = w->blade[k].hull + radius + room;
     if (em_vec_norm2(q) - axial * axial > far * far) continue;

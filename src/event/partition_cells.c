@@ -5,8 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CROWD 0.6 /* least edge, of the mean distance of balls: gases cross less often. Measured. */
-#define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
+#define CROWD 0.6 /* least edge, of the mean distance of balls: gases cross less often. Measured. \
+                   */
+#define FAR 1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
 
@@ -142,8 +143,9 @@ static uint32_t surfaces_near(const struct em_world *w, const double c[3], const
                               double slack) {
   const double reach = w->largest + slack;
   const double low[3] = {w->low.x, w->low.y, w->low.z}, high[3] = {w->high.x, w->high.y, w->high.z};
-  uint32_t near = em_partition_blades(w, em_vec_make(c[0], c[1], c[2]), w->largest,
-                                      em_vec_make(half[0] + slack, half[1] + slack, half[2] + slack));
+  uint32_t near =
+      em_partition_blades(w, em_vec_make(c[0], c[1], c[2]), w->largest,
+                          em_vec_make(half[0] + slack, half[1] + slack, half[2] + slack));
   const double far = hypot(fabs(c[0]) + half[0], fabs(c[2]) + half[2]) + reach;
   if (w->drum && !(far < w->rho)) near |= EM_NEAR_WALL;
   for (int a = 0; a < 3; a++) {

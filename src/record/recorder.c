@@ -262,8 +262,7 @@ static enum em_status conclude(struct recorder *r, enum em_status status, struct
                                          : EM_END_FAILED;
   if (status == EM_FILE) return status;
   if (r->state.end == EM_END_DONE)
-    em_summary_warn(&r->part, r->scene, em_world_tally(r->world), r->state.message,
-                    sizeof r->state.message);
+    em_summary_warn(&r->part, r->scene, r->state.message, sizeof r->state.message);
   if (r->state.end > EM_END_INTERRUPTED && err)
     snprintf(r->state.message, sizeof r->state.message, "%.1000s", err->text);
   struct em_error inner = {0};

@@ -119,24 +119,12 @@ static double mean(const double *values, size_t first, size_t end) {
   return sum / (double)(end - first);
 }
 
-/* Contacts of balls that the lowest bin of the histogram holds (v_n < 2^-30 m/s), where balls fly
- * at 1e5 times that and more: chance makes none of them, balls that stick together make dozens,
- * until their relative speed is rounded away. */
-static uint64_t sticking(const struct em_summary_part *part, const struct em_scene *scene,
-                         const struct em_tally *tally) {
-  const bool remedy = em_scene_effects(scene) & (EM_EFFECT_TC | EM_EFFECT_ELASTIC);
-  const bool fast = part->samples && part->median[part->samples - 1] > 1e-4;
-  const uint64_t count = tally->vn[EM_CLASS_BALL][0];
-  return !remedy && fast && count >= 8 ? count : 0;
-}
-
-void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene,
-                     const struct em_tally *tally, char *text, size_t size) {
+void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
+                     size_t size) {
   const size_t first = first_steady(part);
   const unsigned driven = EM_EFFECT_ROTOR | EM_EFFECT_TURNING, effects = em_scene_effects(scene);
   const bool rests = effects & EM_EFFECT_GRAVITY && effects & driven && first < part->samples;
   const double share = rests ? mean(part->resting, first, part->samples) : 0.0;
-  const uint64_t stuck = sticking(part, scene, tally);
   text[0] = '\0';
   if (share >= RESTING)
     snprintf(text, size,
@@ -144,12 +132,6 @@ void em_summary_warn(const struct em_summary_part *part, const struct em_scene *
              "turns too slowly to hold them up; where balls lie on one another, a contact that "
              "lasts is counted as many short ones",
              100.0 * share);
-  else if (stuck)
-    snprintf(text, size,
-             "%llu contacts of balls were slower than 1e-9 m/s: an inelastic collapse, in which "
-             "balls hit each other ever more often until rounding has them fly on as one; "
-             "remedy.tc prevents it",
-             (unsigned long long)stuck);
 }
 
 /* Mean of the median over the samples of the steady part, and the work between its first and last
@@ -201,7 +183,7 @@ void em_summary_fill(struct em_summary *summary, const struct em_summary_part *p
   summary->tc = tally->tc;
   summary->elastic = tally->elastic;
   summary->jam = tally->jam;
-  em_summary_warn(part, scene, tally, summary->warning, sizeof summary->warning);
+  em_summary_warn(part, scene, summary->warning, sizeof summary->warning);
   fill_samples(summary, part, world, now);
   fill_histogram(summary, part, tally);
   summary->energy_error = energy_error(scene, world, state, &now->energy);

@@ -27,10 +27,9 @@ void em_summary_block(struct em_summary_part *part, double start, double end,
                       const uint64_t *counts);
 
 /* What the user has to know: that many balls of a driven scene rest in its steady part, which
- * neither the rotor nor the turning drum holds up; or that balls have collapsed onto one another.
- * Empty when there is nothing to say. */
-void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene,
-                     const struct em_tally *tally, char *text, size_t size);
+ * neither the rotor nor the turning drum holds up. Empty when there is nothing to say. */
+void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
+                     size_t size);
 
 /* Figures that follow from the world as it is. */
 void em_summary_fill(struct em_summary *summary, const struct em_summary_part *part,

@@ -100,8 +100,8 @@ static void types_and_ranges(void **state) {
        "bad.cfg:3: error: engine.lists: found \"heap\", expected \"calendar\", \"tree\" or "
        "\"all\""},
       {DRUM BALLS "engine = { partition = \"cell\"; };",
-       "bad.cfg:3: error: engine.partition: unknown \"cell\", expected \"neighbours\", \"cells\", "
-       "\"slices\" or \"none\"; did you mean \"cells\"?"},
+       "bad.cfg:3: error: engine.partition: unknown \"cell\", expected \"auto\", \"neighbours\", "
+       "\"cells\", \"slices\" or \"none\"; did you mean \"cells\"?"},
       {DRUM BALLS "engine = 5;", "bad.cfg:3: error: engine: found 5, expected a group { }"},
       {DRUM BALLS "remedy = { collapse_after = 0; };",
        "bad.cfg:3: error: remedy.collapse_after: found 0, expected an integer from 1 to"},
