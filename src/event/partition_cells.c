@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CROWD 0.6 /* least edge, of the mean distance of balls: gases cross less often. Measured. \
-                   */
-#define FAR 1e100 /* m: the border of a closed end, which no ball reaches */
+/* Least edge, of the mean distance of balls: gases cross less often. Measured. */
+#define CROWD 0.6
+#define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
 
