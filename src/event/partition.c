@@ -10,11 +10,13 @@ double em_partition_fraction(const struct em_world *w) {
   return balls * 4.0 / 3.0 * M_PI / em_scene_volume(w->scene);
 }
 
-/* Measured: where balls crowd, 27 cells hold twice as many as come near; where sizes differ, cells
- * fit the largest and hold too many of the small ones. */
+/* Measured: where balls crowd, 27 cells hold twice as many as come near, which costs little with
+ * wide vectors only; a rotor makes them crowd. Where sizes differ, cells fit the largest and hold
+ * too many of the small ones. */
 static const struct em_partition_kind *fastest(const struct em_world *w) {
-  const bool alike = w->largest < 1.3 * w->smallest;
-  return alike && em_partition_fraction(w) < 0.4 ? &em_partition_cells : &em_partition_neighbours;
+  const bool alike = w->largest < 1.3 * w->smallest, wide = w->loop->lanes >= 8;
+  const double most = wide ? 0.4 : w->blade_count ? 0.0 : 0.2;
+  return alike && em_partition_fraction(w) < most ? &em_partition_cells : &em_partition_neighbours;
 }
 
 const struct em_partition_kind *em_partition_find(const struct em_world *w) {

@@ -5,9 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least edge, of the mean distance of balls: gases cross less often. Measured. */
-#define CROWD 0.6
-#define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
+/* Least edge, of the mean distance of balls: in gases a ball crosses less often; a rotor has the
+ * balls crowd where it throws them. Measured. */
+#define CROWD_GAS  0.7
+#define CROWD_MILL 0.6
+#define FAR        1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
 
@@ -84,7 +86,8 @@ static void set_cells(const struct em_world *w, struct em_places *p) {
   p->turned = (v4d){w->gravity.x, w->gravity.y, w->gravity.z} > v4d_all(0.0);
   p->slack = 1e-6 * w->largest;
   const double each = em_scene_volume(w->scene) / fmax(1.0, w->count);
-  double edge = fmax(2.0 * w->largest + 4.0 * p->slack, CROWD * cbrt(each));
+  const double crowd = w->blade_count ? CROWD_MILL : CROWD_GAS;
+  double edge = fmax(2.0 * w->largest + 4.0 * p->slack, crowd * cbrt(each));
   const double most = 8.0 * w->count + 64.0;
   while (fmax(1.0, extent[0] / edge) * fmax(1.0, extent[1] / edge) * fmax(1.0, extent[2] / edge) >
          most)

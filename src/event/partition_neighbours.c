@@ -188,12 +188,12 @@ static double stay(const struct em_world *w, const struct em_places *p, const st
   const struct em_vec o = offset(w, s, x);
   const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o), disc = b * b + vv * c;
   double time;
-  if (c <= 0.0)
+  if (c <= 0.0) {
     time = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
-  else if (b > 0.0)
-    time = c / (b + sqrt(disc));
-  else
-    time = vv > 0.0 ? (sqrt(disc) - b) / vv : INFINITY;
+  } else { /* inwards or outwards is anybody's guess: no branch */
+    const double root = sqrt(disc), way[2] = {root - b, c}, rate[2] = {vv, b + root};
+    time = vv > 0.0 ? way[b > 0.0] / rate[b > 0.0] : INFINITY;
+  }
   if (0.5 * bend * time * time > (1.0 - STRAIGHT) * skin)
     time = sqrt(2.0 * (1.0 - STRAIGHT) * skin / bend);
   return from + time;
