@@ -50,7 +50,7 @@ look() {
     }' | sort -u
 }
 
-for object in loop loop_avx2; do
+for object in loop loop_avx2 loop_avx512; do
   [ -f "$bin/src/event/$object.o" ] || continue
   look "$bin/src/event/$object.o" >"$work/pairs"
   # plain has nothing; every other variant has an effect only if its name says so.
