@@ -20,7 +20,9 @@ enum { MANY = 100000, FEW = 10000, SLOW = 2000 };
 struct variant {
   const char *lists, *partition, *simd;
 };
+#define AVX2 "true engine.lanes=4"
 static const struct variant variant[] = {
+    {"calendar", "neighbours", AVX2},   {"calendar", "cells", AVX2},
     {"calendar", "neighbours", "true"}, {"calendar", "neighbours", "false"},
     {"calendar", "cells", "true"},      {"calendar", "cells", "false"},
     {"calendar", "slices", "true"},     {"calendar", "slices", "false"},
