@@ -22,7 +22,6 @@ struct variant {
 };
 #define AVX2 "true engine.lanes=4"
 static const struct variant variant[] = {
-    {"calendar", "neighbours", AVX2},   {"calendar", "cells", AVX2},
     {"calendar", "neighbours", "true"}, {"calendar", "neighbours", "false"},
     {"calendar", "cells", "true"},      {"calendar", "cells", "false"},
     {"calendar", "slices", "true"},     {"calendar", "slices", "false"},
@@ -31,6 +30,7 @@ static const struct variant variant[] = {
     {"tree", "slices", "true"},         {"tree", "none", "true"},
     {"tree", "neighbours", "false"},    {"tree", "cells", "false"},
     {"tree", "slices", "false"},        {"tree", "none", "false"},
+    {"calendar", "neighbours", AVX2},   {"calendar", "cells", AVX2},
 };
 enum { VARIANTS = sizeof variant / sizeof *variant };
 
@@ -66,7 +66,7 @@ static void compare(const char *scene, const char *overrides, uint64_t collision
   }
 }
 
-enum { ALL = 0xFFFF, NONE = 0x88C0, SLICES = 0x4430, CHEAP = ALL & ~NONE & ~SLICES };
+enum { ALL = 0x3FFFF, NONE = 0x88C0, SLICES = 0x4430, CHEAP = ALL & ~NONE & ~SLICES };
 
 static void test_mill(void **state) {
   (void)state;
