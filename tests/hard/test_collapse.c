@@ -228,7 +228,7 @@ static void three_said(void **state) {
     em_scene_free(scene);
   }
   hard_row("three balls, recorded", "ε above and below the threshold, and with TC", 3,
-           "the collapse is said, at the end and in the run file, and only there", "0");
+           "the collapse stops the run and is said in the run file, and only there", "0");
 }
 
 /* --- jams ------------------------------------------------------------------------------------- */
