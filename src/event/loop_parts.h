@@ -5,9 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "event/blocks.h"
 #include "event/body.h"
 #include "event/calendar.h"
-#include "event/cells.h"
 #include "event/collapse.h"
 #include "event/lanes.h"
 #include "event/local_first.h"
@@ -55,11 +55,11 @@ static inline void local_clear(struct em_world *w, uint32_t i) {
 }
 
 static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  return w->cells ? em_cells_candidates(w, i, count) : w->partition_kind->candidates(w, i, count);
+  return w->cells ? em_blocks_candidates(w, i, count) : w->partition_kind->candidates(w, i, count);
 }
 
 static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return w->cells ? em_cells_surfaces(w, i) : w->partition_kind->surfaces(w, i);
+  return w->cells ? em_blocks_surfaces(w, i) : w->partition_kind->surfaces(w, i);
 }
 
 /* --- foresight -------------------------------------------------------------------------------- */
@@ -95,7 +95,7 @@ static inline void foresee(struct em_world *w) {
     const bool leaves = w->leave[ball[k]] <= p->time;
     if (!leaves && p->partner < EM_SURFACE) w->partition_kind->fetch(w, p->partner, true, false);
     if (w->cells) {
-      em_cells_fetch_balls(w, ball[k], leaves);
+      em_blocks_fetch_balls(w, ball[k], leaves);
       continue;
     }
     uint32_t count;

@@ -494,7 +494,7 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
 
 static void FN(moved)(struct em_world *w, uint32_t i) {
   if (w->cells)
-    em_cells_moved(w, i, WITH(GRAVITY), WITH(PERIODIC));
+    em_blocks_moved(w, i, WITH(GRAVITY), WITH(PERIODIC));
   else
     w->partition_kind->moved(w, i);
 }
@@ -502,7 +502,7 @@ static void FN(moved)(struct em_world *w, uint32_t i) {
 /* Ball i has reached the end of its place. */
 static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
-  const uint32_t *id = w->cells ? em_cells_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
+  const uint32_t *id = w->cells ? em_blocks_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
                                 : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;

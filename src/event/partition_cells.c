@@ -1,5 +1,5 @@
-/* Cells: making them; see cells.h. */
-#include "event/cells.h"
+/* Cells: making them; see blocks.h. */
+#include "event/blocks.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,17 +19,17 @@ static void split(struct em_vec a, double part[3]) {
   part[2] = a.z;
 }
 
-bool em_cells_widen(struct em_places *p) {
-  const size_t old = p->room, room = old ? 2 * old : EM_CELLS_ROOM, n = p->cells * room;
-  uint32_t *slot = em_body_array(n + EM_CELLS_BEYOND, sizeof *slot);
-  uint32_t *found = em_body_array(27 * room + EM_CELLS_BEYOND, sizeof *found);
+bool em_partition_cells_widen(struct em_places *p) {
+  const size_t old = p->room, room = old ? 2 * old : EM_BLOCKS_ROOM, n = p->cells * room;
+  uint32_t *slot = em_body_array(n + EM_BLOCKS_BEYOND, sizeof *slot);
+  uint32_t *found = em_body_array(27 * room + EM_BLOCKS_BEYOND, sizeof *found);
   if (!slot || !found) {
     free(slot);
     free(found);
     return false;
   }
-  for (size_t k = 0; k < n + EM_CELLS_BEYOND; k++)
-    slot[k] = EM_CELLS_EMPTY;
+  for (size_t k = 0; k < n + EM_BLOCKS_BEYOND; k++)
+    slot[k] = EM_BLOCKS_EMPTY;
   for (size_t c = 0; old && c < p->cells; c++)
     memcpy(slot + c * room, p->slot + c * old, old * sizeof *slot);
   free(p->slot);
@@ -41,23 +41,23 @@ bool em_cells_widen(struct em_places *p) {
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  return em_cells_candidates(w, i, count);
+  return em_blocks_candidates(w, i, count);
 }
 
 static void moved(struct em_world *w, uint32_t i) {
-  em_cells_moved(w, i, true, true);
+  em_blocks_moved(w, i, true, true);
 }
 
 static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_t *count) {
-  return em_cells_cross(w, i, now, count, true, true);
+  return em_blocks_cross(w, i, now, count, true, true);
 }
 
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
-  em_cells_fetch(w, i, beyond, leaves);
+  em_blocks_fetch(w, i, beyond, leaves);
 }
 
 static uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return em_cells_surfaces(w, i);
+  return em_blocks_surfaces(w, i);
 }
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -94,7 +94,7 @@ static void set_cells(const struct em_world *w, struct em_places *p) {
     edge *= 1.1;
   p->room_m = INFINITY;
   for (int a = 0; a < 3; a++) {
-    struct em_cells_axis *axis = &p->axis[a];
+    struct em_blocks_axis *axis = &p->axis[a];
     axis->low = low[a];
     axis->period = period[a];
     axis->n = extent[a] > edge ? (int)fmin(extent[a] / edge, UINT16_MAX - 2.0) : 1;
@@ -111,7 +111,7 @@ static void set_cells(const struct em_world *w, struct em_places *p) {
 }
 
 /* Closed ends have an empty cell beyond them, periodic ones go on at the other end. */
-static bool set_axis(struct em_cells_axis *axis, bool row, uint32_t step, uint32_t *cells) {
+static bool set_axis(struct em_blocks_axis *axis, bool row, uint32_t step, uint32_t *cells) {
   const uint32_t n = (uint32_t)axis->n;
   const bool open = axis->period > 0.0, apart = row || !open;
   axis->line = em_body_array(n + 2, sizeof *axis->line);
@@ -138,7 +138,8 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(p->cells, sizeof *p->near);
   if (p->room_m < INFINITY) p->centre = em_body_array(p->count, sizeof *p->centre);
-  return p->place && em_cells_widen(p) && (p->near || !any) && (p->centre || p->room_m == INFINITY);
+  return p->place && em_partition_cells_widen(p) && (p->near || !any) &&
+         (p->centre || p->room_m == INFINITY);
 }
 
 /* Surfaces that a ball with its centre in a box c ± half can touch. */
@@ -167,11 +168,11 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         double c[3];
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
-        p->near[em_cells_number(p, at)] = surfaces_near(w, c, half, 2.0 * p->slack);
+        p->near[em_blocks_number(p, at)] = surfaces_near(w, c, half, 2.0 * p->slack);
       }
 }
 
-static uint16_t number_along(const struct em_cells_axis *axis, double x) {
+static uint16_t number_along(const struct em_blocks_axis *axis, double x) {
   double d = x - axis->low;
   if (axis->period > 0.0) d -= axis->period * floor(d / axis->period);
   const int k = (int)floor(d / axis->edge);
@@ -186,9 +187,9 @@ static bool fill(struct em_world *w, struct em_places *p) {
     for (int a = 0; a < 3; a++)
       p->place[i].at[a] = number_along(&p->axis[a], x[a]);
     if (p->centre) p->centre[i] = r;
-    if (!em_cells_enter(p, i)) return false;
+    if (!em_blocks_enter(p, i)) return false;
     const struct em_vec v = em_body_velocity(w, i, w->clock);
-    em_cells_leave(w, i, w->clock, r, v, true, true);
+    em_blocks_leave(w, i, w->clock, r, v, true, true);
   }
   return true;
 }
@@ -225,16 +226,16 @@ static size_t bytes(const struct em_places *p) {
 /* Every ball is in its cell, and nothing else is anywhere but images beyond the ends of rows. */
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
-  const struct em_cells_axis *x = &p->axis[0];
+  const struct em_blocks_axis *x = &p->axis[0];
   size_t sum = 0, held = 0;
   for (size_t k = 0; k < p->cells * p->room; k++)
-    held += p->slot[k] != EM_CELLS_EMPTY;
+    held += p->slot[k] != EM_BLOCKS_EMPTY;
   for (uint32_t i = 0; i < p->count; i++) {
     const uint16_t *at = p->place[i].at;
-    const uint32_t k = em_cells_slot_of(p, at, i);
+    const uint32_t k = em_blocks_slot_of(p, at, i);
     if (k == p->room) return false;
     sum++;
-    const uint32_t *slot = p->slot + em_cells_number(p, at) * p->room + k;
+    const uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room + k;
     if (x->period > 0.0 && at[0] == 1) sum += slot[(size_t)x->n * p->room] == i;
     if (x->period > 0.0 && at[0] == x->n) sum += *(slot - (size_t)x->n * p->room) == i;
   }

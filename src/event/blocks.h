@@ -4,8 +4,8 @@
  * Every cell has room for a few balls, side by side along x: the cells to the left, here and to the
  * right are one row of slots, and nine such rows are looked through by vectors. What the loop asks
  * of cells stands here, to be worked on in place; the rest is in partition_cells.c. */
-#ifndef EVENTMILL_EVENT_CELLS_H
-#define EVENTMILL_EVENT_CELLS_H
+#ifndef EVENTMILL_EVENT_BLOCKS_H
+#define EVENTMILL_EVENT_BLOCKS_H
 
 #include <math.h>
 #include <string.h>
@@ -15,24 +15,24 @@
 #include "event/span.h"
 #include "event/vectors.h"
 
-#define EM_CELLS_EMPTY UINT32_MAX /* what a slot without a ball holds */
+#define EM_BLOCKS_EMPTY UINT32_MAX /* what a slot without a ball holds */
 
 enum {
-  EM_CELLS_ROOM = 4,    /* least slots of a cell, doubled when one is full */
-  EM_CELLS_BEYOND = 16, /* slots that may be read behind a row, places written behind candidates */
-  EM_CELLS_STAYS = 6    /* the leave time is not that of an exit */
+  EM_BLOCKS_ROOM = 4,    /* least slots of a cell, doubled when one is full */
+  EM_BLOCKS_BEYOND = 16, /* slots that may be read behind a row, places written behind candidates */
+  EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
 };
 
 /* Where a ball is: its cell along each axis, counted from 1, and the side by which it leaves, twice
  * the axis, and one more for the upper side. */
-struct em_cells_place {
+struct em_blocks_place {
   uint16_t at[3];
   uint16_t exit;
 };
 
 /* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. Along x, where
  * rows are, they have slots of their own, which hold the same balls. */
-struct em_cells_axis {
+struct em_blocks_axis {
   int n;
   double low, edge, period; /* m, m, m; 0 where not periodic */
   uint32_t *line;           /* what cell k adds to the number of a cell */
@@ -44,13 +44,13 @@ struct em_places {
   v4d pull;               /* m/s², what gravity is along each axis */
   v4l turned;             /* where it pulls upwards */
   uint32_t count;
-  struct em_cells_axis axis[3];
+  struct em_blocks_axis axis[3];
   int from[3], to[3]; /* cells beside a ball's: 0 … 2, or just 1 where there is one cell */
   size_t cells;
   uint32_t room; /* slots of a cell */
   uint32_t *slot;
   uint32_t *near; /* surfaces near each cell; NULL where there are none */
-  struct em_cells_place *place;
+  struct em_blocks_place *place;
   double slack;  /* m */
   double room_m; /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
   struct em_vec *centre;
@@ -58,9 +58,9 @@ struct em_places {
 };
 
 /* Doubles the room of every cell; false: no memory. */
-bool em_cells_widen(struct em_places *places);
+bool em_partition_cells_widen(struct em_places *places);
 
-static inline size_t em_cells_number(const struct em_places *p, const uint16_t at[3]) {
+static inline size_t em_blocks_number(const struct em_places *p, const uint16_t at[3]) {
   return (size_t)p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
 }
 
@@ -68,7 +68,7 @@ static inline size_t em_cells_number(const struct em_places *p, const uint16_t a
 
 /* Time until x + v t leaves low … high along each axis; x may be beyond by a rounding. *up: by the
  * upper border. */
-static inline v4d em_cells_straight(v4d x, v4d v, v4d low, v4d high, v4l *up) {
+static inline v4d em_blocks_straight(v4d x, v4d v, v4d low, v4d high, v4l *up) {
   const v4d zero = v4d_all(0.0);
   *up = v > zero;
   const v4d t = (v4d_choose(*up, high, low) - x) / v;
@@ -78,8 +78,8 @@ static inline v4d em_cells_straight(v4d x, v4d v, v4d low, v4d high, v4l *up) {
 /* The same for x + v t + g t²/2. Rising against gravity (u > 0) a ball reaches the border above, if
  * at all, at 2 above / (u + √(u² − 2 g above)); a path that turns at it does not cross it. The one
  * below it reaches at 2 below / (√(u² + 2 g below) − u). */
-static inline v4d em_cells_curved(const struct em_places *p, v4d x, v4d v, v4d low, v4d high,
-                                  v4l *up) {
+static inline v4d em_blocks_curved(const struct em_places *p, v4d x, v4d v, v4d low, v4d high,
+                                   v4l *up) {
   const v4d zero = v4d_all(0.0), g = p->pull;
   const v4d u = v4d_choose(p->turned, -v, v), to_low = x - low, to_high = high - x;
   v4d above = v4d_choose(p->turned, to_low, to_high),
@@ -96,10 +96,10 @@ static inline v4d em_cells_curved(const struct em_places *p, v4d x, v4d v, v4d l
 }
 
 /* Sets the leave time of ball i, which is at x with velocity v at the time `from`, and its exit. */
-static inline void em_cells_leave(struct em_world *w, uint32_t i, double from, struct em_vec x,
-                                  struct em_vec v, bool falls, bool periodic) {
+static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, struct em_vec x,
+                                   struct em_vec v, bool falls, bool periodic) {
   struct em_places *p = w->places;
-  struct em_cells_place *here = &p->place[i];
+  struct em_blocks_place *here = &p->place[i];
   const double *bx = p->axis[0].border + here->at[0], *by = p->axis[1].border + here->at[1];
   const double *bz = p->axis[2].border + here->at[2];
   const v4d low = {bx[0], by[0], bz[0], 0.0}, high = {bx[1], by[1], bz[1], 0.0};
@@ -108,8 +108,8 @@ static inline void em_cells_leave(struct em_world *w, uint32_t i, double from, s
   if (periodic)
     place = place - p->period * (((place - low) * p->per_period + EM_NEAREST) - EM_NEAREST);
   v4l up;
-  const v4d all = falls ? em_cells_curved(p, place, speed, low, high, &up)
-                        : em_cells_straight(place, speed, low, high, &up);
+  const v4d all = falls ? em_blocks_curved(p, place, speed, low, high, &up)
+                        : em_blocks_straight(place, speed, low, high, &up);
   const v4d stay = v4d_least_of(all);
   const unsigned axis = (unsigned)__builtin_ctz(v4l_bits(all == stay));
   here->exit = (uint16_t)(2 * axis + (v4l_bits(up) >> axis & 1));
@@ -118,56 +118,56 @@ static inline void em_cells_leave(struct em_world *w, uint32_t i, double from, s
     const double cap =
         p->centre ? em_partition_stay(w, i, from, p->centre[i], p->room_m) : INFINITY;
     const double most = fmin(cap, em_span_limit(w, from));
-    if (most < leave) here->exit = EM_CELLS_STAYS, leave = most;
+    if (most < leave) here->exit = EM_BLOCKS_STAYS, leave = most;
   }
   w->leave[i] = leave;
 }
 
-static inline void em_cells_moved(struct em_world *w, uint32_t i, bool falls, bool periodic) {
+static inline void em_blocks_moved(struct em_world *w, uint32_t i, bool falls, bool periodic) {
   const struct em_body *b = &w->body[i];
-  em_cells_leave(w, i, b->t, (struct em_vec){b->x, b->y, b->z},
-                 (struct em_vec){b->vx, b->vy, b->vz}, falls, periodic);
+  em_blocks_leave(w, i, b->t, (struct em_vec){b->x, b->y, b->z},
+                  (struct em_vec){b->vx, b->vy, b->vz}, falls, periodic);
 }
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
 /* Puts a number in slot k of a cell, and of its image beyond an end of the row. */
-static inline void em_cells_put(struct em_places *p, const uint16_t at[3], uint32_t k,
-                                uint32_t number) {
-  const struct em_cells_axis *x = &p->axis[0];
-  uint32_t *slot = p->slot + em_cells_number(p, at) * p->room + k;
+static inline void em_blocks_put(struct em_places *p, const uint16_t at[3], uint32_t k,
+                                 uint32_t number) {
+  const struct em_blocks_axis *x = &p->axis[0];
+  uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room + k;
   *slot = number;
   if (x->period > 0.0 && at[0] == 1) slot[(size_t)x->n * p->room] = number;
   if (x->period > 0.0 && at[0] == x->n) *(slot - (size_t)x->n * p->room) = number;
 }
 
 /* In which slot of a cell a number stands; `room`: in none. */
-static inline uint32_t em_cells_slot_of(const struct em_places *p, const uint16_t at[3],
-                                        uint32_t number) {
-  const uint32_t *slot = p->slot + em_cells_number(p, at) * p->room;
-  for (uint32_t k = 0; k < p->room; k += EM_CELLS_ROOM) {
+static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16_t at[3],
+                                         uint32_t number) {
+  const uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room;
+  for (uint32_t k = 0; k < p->room; k += EM_BLOCKS_ROOM) {
     const unsigned here = v4i_bits(*(const v4i *)(slot + k) == (int)number);
     if (here) return k + (uint32_t)__builtin_ctz(here);
   }
   return p->room;
 }
 
-static inline bool em_cells_enter(struct em_places *p, uint32_t i) {
+static inline bool em_blocks_enter(struct em_places *p, uint32_t i) {
   const uint16_t *at = p->place[i].at;
-  const uint32_t k = em_cells_slot_of(p, at, EM_CELLS_EMPTY);
-  if (k == p->room && !em_cells_widen(p)) return false;
-  em_cells_put(p, at, k, i);
+  const uint32_t k = em_blocks_slot_of(p, at, EM_BLOCKS_EMPTY);
+  if (k == p->room && !em_partition_cells_widen(p)) return false;
+  em_blocks_put(p, at, k, i);
   return true;
 }
 
-static inline void em_cells_quit(struct em_places *p, uint32_t i) {
+static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   const uint16_t *at = p->place[i].at;
-  em_cells_put(p, at, em_cells_slot_of(p, at, i), EM_CELLS_EMPTY);
+  em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
-/* Appends the balls in up to 16 slots but ball `self`; writes EM_CELLS_BEYOND places. */
-static inline uint32_t *em_cells_append(const uint32_t *slot, uint32_t width, uint32_t self,
-                                        uint32_t *end) {
+/* Appends the balls in up to 16 slots but ball `self`; writes EM_BLOCKS_BEYOND places. */
+static inline uint32_t *em_blocks_append(const uint32_t *slot, uint32_t width, uint32_t self,
+                                         uint32_t *end) {
 #if defined(__AVX512F__)
   const __mmask16 lanes = (__mmask16)((1u << width) - 1u);
   const __m512i all = _mm512_loadu_si512(slot);
@@ -189,7 +189,7 @@ static inline uint32_t *em_cells_append(const uint32_t *slot, uint32_t width, ui
 #else
   for (uint32_t k = 0; k < width; k++) {
     *end = slot[k];
-    end += slot[k] != EM_CELLS_EMPTY && slot[k] != self;
+    end += slot[k] != EM_BLOCKS_EMPTY && slot[k] != self;
   }
   return end;
 #endif
@@ -197,8 +197,8 @@ static inline uint32_t *em_cells_append(const uint32_t *slot, uint32_t width, ui
 
 /* The rows of the cells from[a] … to[a] beside that of ball i (0: one lower, 1: its own, 2: one
  * higher); returns how many. */
-static inline uint32_t em_cells_rows(const struct em_places *p, uint32_t i, const int from[3],
-                                     const int to[3], const uint32_t *row[9]) {
+static inline uint32_t em_blocks_rows(const struct em_places *p, uint32_t i, const int from[3],
+                                      const int to[3], const uint32_t *row[9]) {
   const uint16_t *at = p->place[i].at;
   const ptrdiff_t x = (ptrdiff_t)p->axis[0].line[at[0]] + from[0] - 1;
   const uint32_t *y = p->axis[1].line + at[1] - 1, *z = p->axis[2].line + at[2] - 1;
@@ -211,57 +211,58 @@ static inline uint32_t em_cells_rows(const struct em_places *p, uint32_t i, cons
 
 /* The balls in these cells but ball i go to p->found, and any balls behind them; returns how many.
  */
-static inline uint32_t em_cells_collect(const struct em_places *p, uint32_t i, const int from[3],
-                                        const int to[3]) {
+static inline uint32_t em_blocks_collect(const struct em_places *p, uint32_t i, const int from[3],
+                                         const int to[3]) {
   const uint32_t *row[9];
-  const uint32_t n = em_cells_rows(p, i, from, to, row);
+  const uint32_t n = em_blocks_rows(p, i, from, to, row);
   const uint32_t width = (uint32_t)(to[0] - from[0] + 1) * p->room;
   uint32_t *end = p->found;
   for (uint32_t h = 0; h < n; h++)
     for (uint32_t k = 0; k < width; k += 12)
-      end = em_cells_append(row[h] + k, width - k < 12 ? width - k : 12, i, end);
+      end = em_blocks_append(row[h] + k, width - k < 12 ? width - k : 12, i, end);
   memset(end, 0, 8 * sizeof *end);
   return (uint32_t)(end - p->found);
 }
 
 /* --- see partition.h -------------------------------------------------------------------------- */
 
-static inline const uint32_t *em_cells_candidates(struct em_world *w, uint32_t i, uint32_t *count) {
+static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t i,
+                                                   uint32_t *count) {
   const struct em_places *p = w->places;
-  *count = em_cells_collect(p, i, p->from, p->to);
+  *count = em_blocks_collect(p, i, p->from, p->to);
   return p->found;
 }
 
-static inline const uint32_t *em_cells_cross(struct em_world *w, uint32_t i, double now,
-                                             uint32_t *count, bool falls, bool periodic) {
+static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, double now,
+                                              uint32_t *count, bool falls, bool periodic) {
   struct em_places *p = w->places;
-  struct em_cells_place *here = &p->place[i];
+  struct em_blocks_place *here = &p->place[i];
   const unsigned exit = here->exit, a = exit / 2;
   *count = 1;
-  if (exit != EM_CELLS_STAYS) {
-    em_cells_quit(p, i);
+  if (exit != EM_BLOCKS_STAYS) {
+    em_blocks_quit(p, i);
     const int n = p->axis[a].n, next = here->at[a] + (exit & 1 ? 1 : -1);
     here->at[a] = (uint16_t)(next == 0 ? n : next > n ? 1 : next);
-    if (!em_cells_enter(p, i)) return NULL;
+    if (!em_blocks_enter(p, i)) return NULL;
   }
   const struct em_vec x = em_body_at(w, i, now);
   if (p->centre) p->centre[i] = x;
-  em_cells_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);
-  if (p->centre) return em_cells_candidates(w, i, count);
+  em_blocks_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);
+  if (p->centre) return em_blocks_candidates(w, i, count);
   *count = 0;
-  if (exit == EM_CELLS_STAYS) return p->found;
+  if (exit == EM_BLOCKS_STAYS) return p->found;
   int from[3] = {p->from[0], p->from[1], p->from[2]}, to[3] = {p->to[0], p->to[1], p->to[2]};
   from[a] = to[a] = exit & 1 ? 2 : 0; /* only these cells are new */
-  *count = em_cells_collect(p, i, from, to);
+  *count = em_blocks_collect(p, i, from, to);
   return p->found;
 }
 
 /* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end
  * of the grid, which is rare. */
-static inline bool em_cells_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
-  const struct em_cells_place *here = &p->place[i];
+static inline bool em_blocks_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
+  const struct em_blocks_place *here = &p->place[i];
   const unsigned a = here->exit / 2;
-  if (here->exit == EM_CELLS_STAYS) return false;
+  if (here->exit == EM_BLOCKS_STAYS) return false;
   const int next = here->at[a] + (here->exit & 1 ? 2 : -2);
   memcpy(from, p->from, sizeof p->from);
   memcpy(to, p->to, sizeof p->to);
@@ -270,19 +271,19 @@ static inline bool em_cells_ahead(const struct em_places *p, uint32_t i, int fro
 }
 
 /* Asks memory for where ball i is, then for the slots that will be looked through. */
-static inline void em_cells_fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
+static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
   const struct em_places *p = w->places;
   if (!beyond) {
     __builtin_prefetch(&p->place[i]);
     return;
   }
   int from[3], to[3];
-  if (!leaves || !em_cells_ahead(p, i, from, to)) {
+  if (!leaves || !em_blocks_ahead(p, i, from, to)) {
     memcpy(from, p->from, sizeof from);
     memcpy(to, p->to, sizeof to);
   }
   const uint32_t *row[9];
-  const uint32_t n = em_cells_rows(p, i, from, to, row);
+  const uint32_t n = em_blocks_rows(p, i, from, to, row);
   for (uint32_t k = 0; k < n; k++) {
     __builtin_prefetch(row[k]);
     __builtin_prefetch(row[k] + 3 * p->room - 1);
@@ -290,18 +291,18 @@ static inline void em_cells_fetch(const struct em_world *w, uint32_t i, bool bey
 }
 
 /* Asks memory for the balls that will be tested. */
-static inline void em_cells_fetch_balls(struct em_world *w, uint32_t i, bool leaves) {
+static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool leaves) {
   const struct em_places *p = w->places;
   int from[3], to[3];
-  const bool ahead = leaves && em_cells_ahead(p, i, from, to);
-  const uint32_t n = em_cells_collect(p, i, ahead ? from : p->from, ahead ? to : p->to);
+  const bool ahead = leaves && em_blocks_ahead(p, i, from, to);
+  const uint32_t n = em_blocks_collect(p, i, ahead ? from : p->from, ahead ? to : p->to);
   for (uint32_t k = 0; k < n; k++)
     __builtin_prefetch(&w->body[p->found[k]]);
 }
 
-static inline uint32_t em_cells_surfaces(const struct em_world *w, uint32_t i) {
+static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {
   const struct em_places *p = w->places;
-  return p->near ? p->near[em_cells_number(p, p->place[i].at)] : 0;
+  return p->near ? p->near[em_blocks_number(p, p->place[i].at)] : 0;
 }
 
 #endif
