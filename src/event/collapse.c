@@ -108,8 +108,10 @@ enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint
 bool em_collapse_sticks(const struct em_world *w, const struct em_contact_law *law, double vn) {
   enum { SEVERAL = 8 };
   const struct em_remedy *r = &w->scene->remedy;
-  if (w->tally.vn[EM_CLASS_BALL][0] + 1 < SEVERAL || r->tc > 0.0 || r->elastic_below > 0.0)
-    return false;
+  const uint64_t n = w->tally.vn[EM_CLASS_BALL][0] + 1;
+  if (n < SEVERAL || r->tc > 0.0 || r->elastic_below > 0.0) return false;
+  if (n & (n - 1))
+    return false; /* a gas that has cooled down makes many: not all balls each time */
   double square = 0.0;
   for (uint32_t i = 0; i < w->count; i++)
     square += em_vec_norm2(em_body_velocity(w, i, w->clock)) / w->count;

@@ -47,13 +47,6 @@ static inline bool local_add(struct em_world *w, uint32_t i, const struct em_pre
   return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }
 
-static inline void local_clear(struct em_world *w, uint32_t i) {
-  if (w->keeps_all)
-    w->local_kind->clear(w->local, i);
-  else
-    em_local_first_clear(w->local, i);
-}
-
 static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
   return w->cells ? em_blocks_candidates(w, i, count) : w->partition_kind->candidates(w, i, count);
 }
