@@ -23,13 +23,6 @@ enum {
   EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
 };
 
-/* Where a ball is: its cell along each axis, counted from 1, and the side by which it leaves, twice
- * the axis, and one more for the upper side. */
-struct em_blocks_place {
-  uint16_t at[3];
-  uint16_t exit;
-};
-
 /* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. Along x, where
  * rows are, they have slots of their own, which hold the same balls. */
 struct em_blocks_axis {
@@ -44,15 +37,17 @@ struct em_places {
   v4d pull;               /* m/s², what gravity is along each axis */
   v4l turned;             /* where it pulls upwards */
   uint32_t count;
+  /* Of each ball: its cell along each axis, counted from 1, and the side by which it leaves, twice
+   * the axis, and one more for the upper side. */
+  struct em_plan *plan;
   struct em_blocks_axis axis[3];
   int from[3], to[3]; /* cells beside a ball's: 0 … 2, or just 1 where there is one cell */
   size_t cells;
   uint32_t room; /* slots of a cell */
   uint32_t *slot;
   uint32_t *near; /* surfaces near each cell; NULL where there are none */
-  struct em_blocks_place *place;
-  double slack;  /* m */
-  double room_m; /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
+  double slack;   /* m */
+  double room_m;  /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
   struct em_vec *centre;
   uint32_t *found; /* scratch: candidates */
 };
@@ -99,9 +94,9 @@ static inline v4d em_blocks_curved(const struct em_places *p, v4d x, v4d v, v4d 
 static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, struct em_vec x,
                                    struct em_vec v, bool falls, bool periodic) {
   struct em_places *p = w->places;
-  struct em_blocks_place *here = &p->place[i];
-  const double *bx = p->axis[0].border + here->at[0], *by = p->axis[1].border + here->at[1];
-  const double *bz = p->axis[2].border + here->at[2];
+  struct em_plan *here = &p->plan[i];
+  const double *bx = p->axis[0].border + here->cell[0], *by = p->axis[1].border + here->cell[1];
+  const double *bz = p->axis[2].border + here->cell[2];
   const v4d low = {bx[0], by[0], bz[0], 0.0}, high = {bx[1], by[1], bz[1], 0.0};
   const v4d speed = {v.x, v.y, v.z, 0.0};
   v4d place = {x.x, x.y, x.z, 0.0};
@@ -120,7 +115,7 @@ static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, 
     const double most = fmin(cap, em_span_limit(w, from));
     if (most < leave) here->exit = EM_BLOCKS_STAYS, leave = most;
   }
-  w->leave[i] = leave;
+  w->plan[i].leave = leave;
 }
 
 static inline void em_blocks_moved(struct em_world *w, uint32_t i, bool falls, bool periodic) {
@@ -153,7 +148,7 @@ static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16
 }
 
 static inline bool em_blocks_enter(struct em_places *p, uint32_t i) {
-  const uint16_t *at = p->place[i].at;
+  const uint16_t *at = p->plan[i].cell;
   const uint32_t k = em_blocks_slot_of(p, at, EM_BLOCKS_EMPTY);
   if (k == p->room && !em_partition_cells_widen(p)) return false;
   em_blocks_put(p, at, k, i);
@@ -161,7 +156,7 @@ static inline bool em_blocks_enter(struct em_places *p, uint32_t i) {
 }
 
 static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
-  const uint16_t *at = p->place[i].at;
+  const uint16_t *at = p->plan[i].cell;
   em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
@@ -199,7 +194,7 @@ static inline uint32_t *em_blocks_append(const uint32_t *slot, uint32_t width, u
  * higher); returns how many. */
 static inline uint32_t em_blocks_rows(const struct em_places *p, uint32_t i, const int from[3],
                                       const int to[3], const uint32_t *row[9]) {
-  const uint16_t *at = p->place[i].at;
+  const uint16_t *at = p->plan[i].cell;
   const ptrdiff_t x = (ptrdiff_t)p->axis[0].line[at[0]] + from[0] - 1;
   const uint32_t *y = p->axis[1].line + at[1] - 1, *z = p->axis[2].line + at[2] - 1;
   uint32_t n = 0;
@@ -236,13 +231,13 @@ static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t 
 static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, double now,
                                               uint32_t *count, bool falls, bool periodic) {
   struct em_places *p = w->places;
-  struct em_blocks_place *here = &p->place[i];
+  struct em_plan *here = &p->plan[i];
   const unsigned exit = here->exit, a = exit / 2;
   *count = 1;
   if (exit != EM_BLOCKS_STAYS) {
     em_blocks_quit(p, i);
-    const int n = p->axis[a].n, next = here->at[a] + (exit & 1 ? 1 : -1);
-    here->at[a] = (uint16_t)(next == 0 ? n : next > n ? 1 : next);
+    const int n = p->axis[a].n, next = here->cell[a] + (exit & 1 ? 1 : -1);
+    here->cell[a] = (uint16_t)(next == 0 ? n : next > n ? 1 : next);
     if (!em_blocks_enter(p, i)) return NULL;
   }
   const struct em_vec x = em_body_at(w, i, now);
@@ -260,23 +255,19 @@ static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, do
 /* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end
  * of the grid, which is rare. */
 static inline bool em_blocks_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
-  const struct em_blocks_place *here = &p->place[i];
+  const struct em_plan *here = &p->plan[i];
   const unsigned a = here->exit / 2;
   if (here->exit == EM_BLOCKS_STAYS) return false;
-  const int next = here->at[a] + (here->exit & 1 ? 2 : -2);
+  const int next = here->cell[a] + (here->exit & 1 ? 2 : -2);
   memcpy(from, p->from, sizeof p->from);
   memcpy(to, p->to, sizeof p->to);
   from[a] = to[a] = here->exit & 1 ? 3 : -1;
   return next >= 1 && next <= p->axis[a].n;
 }
 
-/* Asks memory for where ball i is, then for the slots that will be looked through. */
-static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
+/* Asks memory for the slots that will be looked through. */
+static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool leaves) {
   const struct em_places *p = w->places;
-  if (!beyond) {
-    __builtin_prefetch(&p->place[i]);
-    return;
-  }
   int from[3], to[3];
   if (!leaves || !em_blocks_ahead(p, i, from, to)) {
     memcpy(from, p->from, sizeof from);
@@ -302,7 +293,7 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
 
 static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {
   const struct em_places *p = w->places;
-  return p->near ? p->near[em_blocks_number(p, p->place[i].at)] : 0;
+  return p->near ? p->near[em_blocks_number(p, p->plan[i].cell)] : 0;
 }
 
 #endif

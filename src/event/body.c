@@ -23,7 +23,7 @@ void *em_body_array(size_t count, size_t size) {
 bool em_body_next_epoch(struct em_world *w) {
   for (uint32_t i = 0; i < w->count; i++) {
     w->body[i].t -= w->epoch_length;
-    w->leave[i] -= w->epoch_length;
+    w->plan[i].leave -= w->epoch_length;
   }
   for (uint32_t k = 0; k < w->blade_count; k++) {
     struct em_turning *b = &w->blade[k];

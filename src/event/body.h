@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "event/local.h"
+#include "event/plan.h"
 #include "event/queue.h"
 #include "eventmill/world.h"
 
@@ -17,13 +18,6 @@ struct em_body {
   double t;          /* s within the epoch */
   double radius;     /* m */
 } __attribute__((aligned(64)));
-
-/* The cold record. */
-struct em_trace {
-  uint32_t counter; /* real events so far; wraps, compared for equality only */
-  uint32_t last;    /* partner of the last real event: ball, surface code, or EM_NOBODY */
-  uint32_t streak;  /* contacts in a row, each within world.within of the one before */
-};
 
 enum { EM_FETCH_FROM = 24576 }; /* balls: from here on they do not fit into the nearest caches */
 
@@ -49,11 +43,10 @@ struct em_world {
   const struct em_scene *scene;
   uint32_t count;
   struct em_body *body;
-  struct em_trace *trace;
+  struct em_plan *plan;
   struct em_vec *spin;             /* rad/s; NULL when no rule knows spins */
   double *mass;                    /* kg; NULL when all are equal */
   double mass0, largest, smallest; /* kg; m, m: radii */
-  double *leave;                   /* s: until when a ball's candidates are complete */
 
   struct em_vec gravity;
   double fall;                      /* |gravity| */
@@ -85,6 +78,7 @@ struct em_world {
   const struct em_partition_kind *partition_kind;
   struct em_places *places; /* what the partition keeps */
   bool cells;               /* that these are cells */
+  double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;
 
   struct em_observer *observer;

@@ -8,22 +8,31 @@
 #include "event/body.h"
 
 enum { LEAST_BINS = 8, SAMPLE = 256 };
-#define TARGET 4.0 /* events per bin: of 1 … 8 the fastest */
-
-static void close_list(struct em_calendar_link *link, uint32_t n) {
-  link[n] = (struct em_calendar_link){n, n};
-}
-
-static uint32_t overflow_head(const struct em_queue *q) {
-  return q->count + q->bins;
-}
+#define TARGET 8.0 /* events per bin: of 2 … 12 the fastest */
 
 static void set_current(struct em_queue *q, int64_t current) {
   q->due_end = (double)current + 1.0;
   q->ring_end = (double)current + (double)q->bins;
 }
 
-/* Starts anew with the first bin at origin and everything filed afresh. */
+/* No ball stands anywhere. Bin 0 is of the ring, so that its number serves as none. */
+static void empty(struct em_queue *q) {
+  while (q->due_count)
+    q->due_time[--q->due_count] = INFINITY;
+  q->later_count = 0;
+  for (uint32_t ball = 0; ball < q->count; ball++) {
+    q->plan[ball].place = EM_CALENDAR_WAITS;
+    q->plan[ball].later = 0;
+  }
+  for (uint32_t k = 0; k < q->all_bins; k++) {
+    q->bin[k].count = 0;
+    q->bin[k].aside = k < q->bins || k + 1 == q->all_bins ? 0 : k + 1;
+  }
+  q->spare = q->bins;
+}
+
+/* Starts anew with the first bin at origin and everything filed afresh: there is room, as each ball
+ * has one entry now. */
 static void refile_all(struct em_queue *q, double origin, double width) {
   const double finest = 4.0 * DBL_EPSILON * fabs(origin) + 1e-290;
   q->width = fmin(fmax(width, finest), 1e290);
@@ -33,13 +42,10 @@ static void refile_all(struct em_queue *q, double origin, double width) {
   q->loaded = 0;
   q->pressure = 0;
   q->slot = 0;
-  while (q->due_count)
-    q->due_time[--q->due_count] = INFINITY;
   set_current(q, 0);
-  for (uint32_t slot = 0; slot <= q->bins; slot++)
-    close_list(q->link, q->count + slot);
+  empty(q);
   for (uint32_t ball = 0; ball < q->count; ball++)
-    em_calendar_file(q, ball, em_calendar_bin(q, q->time[ball]));
+    (void)em_calendar_file(q, ball, em_calendar_bin(q, q->plan[ball].due));
 }
 
 /* ---- the width ---- */
@@ -58,7 +64,7 @@ static double spacing_ahead(const struct em_queue *q, double earliest) {
   const uint32_t stride = q->count / SAMPLE + 1;
   for (uint32_t ball = 0; ball < q->count; ball += stride) {
     looked++;
-    if (q->time[ball] < INFINITY) sample[taken++] = q->time[ball];
+    if (q->plan[ball].due < INFINITY) sample[taken++] = q->plan[ball].due;
   }
   if (taken < 4) return 0.0;
   qsort(sample, taken, sizeof sample[0], compare);
@@ -69,7 +75,7 @@ static double spacing_ahead(const struct em_queue *q, double earliest) {
 static double earliest_time(const struct em_queue *q) {
   double earliest = INFINITY;
   for (uint32_t ball = 0; ball < q->count; ball++)
-    earliest = fmin(earliest, q->time[ball]);
+    earliest = fmin(earliest, q->plan[ball].due);
   return earliest;
 }
 
@@ -98,23 +104,51 @@ static bool next_turn(struct em_queue *q) {
   q->slot = 0;
   q->loaded = 0;
   set_current(q, current);
-  const uint32_t head = overflow_head(q);
-  for (uint32_t ball = q->link[head].next; ball != head;) {
-    const uint32_t next = q->link[ball].next;
-    const double bin = em_calendar_bin(q, q->time[ball]);
-    if (bin < q->ring_end) {
-      em_calendar_unlink(q->link, ball);
-      em_calendar_file(q, ball, bin);
-    }
-    ball = next;
+  const uint32_t waiting = q->later_count;
+  q->later_count = 0;
+  for (uint32_t k = 0; k < waiting; k++) {
+    const uint32_t ball = q->later[k];
+    q->plan[ball].later = 0;
+    if (q->plan[ball].place != EM_CALENDAR_WAITS) continue;
+    if (!em_calendar_file(q, ball, em_calendar_bin(q, q->plan[ball].due))) break;
   }
   return true;
+}
+
+bool em_calendar_make_room(struct em_queue *q, struct em_calendar_bin *bin) {
+  const uint32_t aside = q->spare;
+  if (!aside) {
+    refile_all(q, earliest_time(q), q->width);
+    return false;
+  }
+  q->spare = q->bin[aside].aside;
+  q->bin[aside] = *bin;
+  *bin = (struct em_calendar_bin){.aside = aside};
+  return true;
+}
+
+/* The balls of a bin become due, but those that have moved: which have cannot be foretold, so there
+ * is no branch. A ball that was entered twice is due by then. */
+static void load(struct em_queue *q, const struct em_calendar_bin *bin) {
+  uint32_t n = q->due_count;
+  for (uint32_t k = 0; k < bin->count; k++) {
+    const uint32_t ball = bin->ball[k];
+    struct em_plan *plan = &q->plan[ball];
+    const bool in =
+        (em_calendar_bin(q, plan->due) < q->due_end) & (plan->place == EM_CALENDAR_WAITS);
+    q->due[n] = ball;
+    q->due_time[n] = in ? plan->due : INFINITY;
+    plan->place = in ? n : plan->place;
+    n += in;
+  }
+  q->loaded += n - q->due_count;
+  q->due_count = n;
 }
 
 bool em_calendar_advance(struct em_queue *q) {
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
-    while (slot < q->bins && q->link[q->count + slot].next == q->count + slot)
+    while (slot < q->bins && q->bin[slot].count == 0)
       slot++;
     if (slot == q->bins) {
       if (!next_turn(q)) return false;
@@ -122,28 +156,25 @@ bool em_calendar_advance(struct em_queue *q) {
     }
     q->slot = slot;
     set_current(q, q->base + slot);
-    const uint32_t head = q->count + slot;
-    for (uint32_t ball = q->link[head].next; ball != head;) {
-      const uint32_t next = q->link[ball].next;
-      em_calendar_add(q, ball, q->time[ball]);
-      ball = next;
-    }
-    close_list(q->link, head);
+    uint32_t k = slot, next;
+    do {
+      load(q, &q->bin[k]);
+      next = q->bin[k].aside;
+      q->bin[k].count = 0;
+      q->bin[k].aside = k < q->bins ? 0 : q->spare;
+      if (k >= q->bins) q->spare = k;
+      k = next;
+    } while (next);
   }
   return true;
 }
 
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most) {
-  if (ahead == 0) {
-    const uint32_t n = q->due_count < most ? q->due_count : most;
-    memcpy(ball, q->due, n * sizeof *ball);
-    return n;
-  }
-  if (q->slot + ahead >= q->bins) return 0;
-  const uint32_t head = q->count + q->slot + ahead;
-  uint32_t n = 0;
-  for (uint32_t i = q->link[head].next; i != head && n < most; i = q->link[i].next)
-    ball[n++] = i;
+  const struct em_calendar_bin *bin = &q->bin[q->slot + ahead];
+  const bool due = ahead == 0;
+  if (!due && q->slot + ahead >= q->bins) return 0;
+  const uint32_t all = due ? q->due_count : bin->count, n = all < most ? all : most;
+  memcpy(ball, due ? q->due : bin->ball, n * sizeof *ball);
   return n;
 }
 
@@ -151,31 +182,33 @@ uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ba
 
 static void clear(struct em_queue *q, double from) {
   for (uint32_t ball = 0; ball < q->count; ball++)
-    q->time[ball] = INFINITY;
+    q->plan[ball].due = INFINITY;
   refile_all(q, from, q->width);
 }
 
 static void free_queue(struct em_queue *q) {
   if (!q) return;
-  free(q->time);
-  free(q->link);
+  free(q->bin);
+  free(q->later);
   free(q->due);
   free(q->due_time);
   free(q);
 }
 
-static struct em_queue *make(uint32_t count, double spacing) {
+static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacing) {
   if (count >= UINT32_MAX / 2) return NULL;
   struct em_queue *q = calloc(1, sizeof *q);
   if (!q) return NULL;
   q->count = count;
-  q->bins = count / 2 > LEAST_BINS ? count / 2 : LEAST_BINS;
+  q->plan = plan;
+  q->bins = count / 4 > LEAST_BINS ? count / 4 : LEAST_BINS;
+  q->all_bins = q->bins + 2 * (count / EM_CALENDAR_ENTRIES) + LEAST_BINS;
   q->width = spacing > 0.0 && spacing < INFINITY ? TARGET * spacing : 1.0;
-  q->time = em_body_array((size_t)count + 1, sizeof *q->time);
-  q->link = em_body_array((size_t)count + q->bins + 1, sizeof *q->link);
+  q->bin = em_body_array(q->all_bins, sizeof *q->bin);
+  q->later = em_body_array((size_t)count + 1, sizeof *q->later);
   q->due = em_body_array((size_t)count + 8, sizeof *q->due);
   q->due_time = em_body_array((size_t)count + 8, sizeof *q->due_time);
-  if (!q->time || !q->link || !q->due || !q->due_time) {
+  if (!q->bin || !q->later || !q->due || !q->due_time) {
     free_queue(q);
     return NULL;
   }
@@ -226,46 +259,46 @@ static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
 }
 
 static size_t bytes(const struct em_queue *q) {
-  return sizeof *q +
-         ((size_t)q->count + 1) * (sizeof *q->time + sizeof *q->due + sizeof *q->due_time) +
-         ((size_t)q->count + q->bins + 1) * sizeof *q->link;
+  return sizeof *q + ((size_t)q->count + 8) * (sizeof *q->due + sizeof *q->due_time) +
+         ((size_t)q->count + 1) * sizeof *q->later + (size_t)q->all_bins * sizeof *q->bin;
 }
 
 static bool due_is_valid(const struct em_queue *q) {
   for (uint32_t place = 0; place < q->due_count; place++) {
     const uint32_t ball = q->due[place];
-    if (ball >= q->count || q->link[ball].previous != EM_CALENDAR_DUE ||
-        q->link[ball].next != place || q->due_time[place] != q->time[ball])
+    if (ball >= q->count || q->plan[ball].place != place || q->due_time[place] != q->plan[ball].due)
       return false;
-    if (!(em_calendar_bin(q, q->time[ball]) < q->due_end)) return false;
+    if (!(em_calendar_bin(q, q->plan[ball].due) < q->due_end)) return false;
   }
   for (uint32_t place = q->due_count; place % 8 || place < 8; place++)
     if (q->due_time[place] != INFINITY) return false;
   return true;
 }
 
-/* Walks one list, adds its balls to *seen, and checks that each belongs there. */
-static bool list_is_valid(const struct em_queue *q, uint32_t head, size_t *seen) {
-  uint32_t previous = head;
-  for (uint32_t ball = q->link[head].next; ball != head; ball = q->link[ball].next) {
-    if (ball >= q->count || q->link[ball].previous != previous || ++*seen > q->count) return false;
-    const double bin = em_calendar_bin(q, q->time[ball]);
-    if (bin < q->due_end) return false;
-    if (head != overflow_head(q)) {
-      if (bin >= q->ring_end) return false;
-      if (((int64_t)bin - q->base) % q->bins != head - q->count) return false;
-    }
-    previous = ball;
+/* Does a ball stand where it waits? */
+static bool waits(const struct em_queue *q, uint32_t ball, double at) {
+  if (at < q->due_end) return false;
+  const bool ahead = !(at < (double)q->base + q->bins); /* not in this turn */
+  if (!(at < q->ring_end) || (ahead && q->plan[ball].later)) return q->plan[ball].later;
+  for (uint32_t k = (uint32_t)(((int64_t)at - q->base) % q->bins), next;; k = next) {
+    for (uint32_t n = 0; n < q->bin[k].count; n++)
+      if (q->bin[k].ball[n] == ball) return true;
+    next = q->bin[k].aside;
+    if (!next) return false;
   }
-  return q->link[head].previous == previous;
 }
 
 static bool is_valid(const struct em_queue *q) {
-  size_t seen = q->due_count;
-  if (seen > q->count || !due_is_valid(q)) return false;
-  for (uint32_t slot = 0; slot <= q->bins; slot++)
-    if (!list_is_valid(q, q->count + slot, &seen)) return false;
-  return seen == q->count;
+  if (q->due_count > q->count || !due_is_valid(q)) return false;
+  uint32_t due = 0, later = 0;
+  for (uint32_t ball = 0; ball < q->count; ball++) {
+    const struct em_plan *plan = &q->plan[ball];
+    const bool is_due = plan->place != EM_CALENDAR_WAITS;
+    due += is_due;
+    later += plan->later;
+    if (!is_due && !waits(q, ball, em_calendar_bin(q, plan->due))) return false;
+  }
+  return due == q->due_count && later == q->later_count;
 }
 
 const struct em_queue_kind em_queue_calendar = {

@@ -1,10 +1,13 @@
 /* The global list as a bounded-increasing queue (G. Paul, J. Comput. Phys. 221 (2007) 615).
  *
- * Time is cut into bins. A turn of `bins` bins, from the current one on, has a list each; what lies
- * further ahead waits in one more list, the overflow, that is looked through once per turn; balls
- * without an event wait there, too. Lists are linked both ways, so a ball is filed and taken out
- * in O(1). The few balls of the current bin stand side by side in no order, and the earliest is
- * looked up by vectors: its way through a heap cannot be foretold, and wrong guesses cost more.
+ * Time is cut into bins. A turn of `bins` bins, from the current one on, keeps the numbers of its
+ * balls side by side, a cache line per bin; what lies further ahead waits in one more list that is
+ * looked through once per turn. A ball whose event has moved is entered anew and nowhere taken out:
+ * entries that do not hold any more fall out when their bin begins. So an event costs one line of
+ * its bin, and no neighbour's.
+ *
+ * The few balls of the current bin are due: they stand in no order, and the earliest is looked up
+ * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more.
  *
  * The order of events is that of (time, ball), whatever the width of a bin. The width adapts
  * itself: when a turn was too full or too empty, when nothing was found in it, and when the bin
@@ -19,25 +22,30 @@
 #include "event/queue.h"
 #include "event/vectors.h"
 
-enum { EM_CALENDAR_LARGE = 32 };
-#define EM_CALENDAR_DUE UINT32_MAX
-
-struct em_calendar_link {
-  uint32_t next;     /* for a ball that is due: its place among these */
-  uint32_t previous; /* EM_CALENDAR_DUE for a ball that is due */
+enum {
+  EM_CALENDAR_LARGE = 32,
+  EM_CALENDAR_ENTRIES = 14 /* of a bin, before they are put aside */
 };
+#define EM_CALENDAR_WAITS UINT32_MAX /* plan.place of a ball that is not due */
+
+struct em_calendar_bin {
+  uint32_t count;
+  uint32_t aside; /* a full one that belongs here, too; 0: none */
+  uint32_t ball[EM_CALENDAR_ENTRIES];
+} __attribute__((aligned(64)));
 
 struct em_queue {
-  double origin, scale; /* a time is in bin floor((time - origin) * scale) */
-  double due_end;       /* what lies in bins below this one is due: current + 1 */
-  double ring_end;      /* bins from this one on are in the overflow: current + bins */
-  double *time;         /* of each ball */
-  struct em_calendar_link
-      *link;        /* of each ball, of the head of each bin, of that of the overflow */
-  uint32_t *due;    /* balls of the current bin and before */
-  double *due_time; /* INFINITY up to a multiple of eight */
-  uint32_t due_count;
-  uint32_t count, bins;
+  double origin, scale;        /* a time is in bin floor((time - origin) * scale) */
+  double due_end;              /* what lies in bins below this one is due: current + 1 */
+  double ring_end;             /* bins from this one on are in the overflow: current + bins */
+  struct em_plan *plan;        /* of each ball: due; place, among the due; later: it stands there */
+  struct em_calendar_bin *bin; /* the ring, and behind it those that were put aside */
+  uint32_t *later;             /* balls beyond the ring, or that were */
+  uint32_t *due;               /* balls of the current bin and before */
+  double *due_time;            /* INFINITY up to a multiple of eight */
+  uint32_t due_count, later_count;
+  uint32_t count, bins, all_bins;
+  uint32_t spare;    /* the first free bin behind the ring, linked by `aside`; 0: none */
   uint32_t slot;     /* of the current bin in the ring: current - base */
   uint64_t pressure; /* balls looked through since the last check in large bins */
   int64_t base;      /* bin at which the turn began */
@@ -51,28 +59,19 @@ bool em_calendar_advance(struct em_queue *q);
 void em_calendar_relieve(struct em_queue *q);
 /* The first of the balls that are due, by (time, ball), where there are many. */
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
+/* A bin is full: puts its entries aside, or, where no room is left, files all balls anew; false:
+ * that was done. */
+bool em_calendar_make_room(struct em_queue *q, struct em_calendar_bin *bin);
 
 /* The balls of the bin that comes `ahead` bins after the current one, up to `most` of them, as far
- * as it lies in this turn; returns how many. */
+ * as it lies in this turn; some may not be there any more, unless it is the current one. Returns
+ * how many. */
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
-
-static inline void em_calendar_unlink(struct em_calendar_link *link, uint32_t ball) {
-  const struct em_calendar_link old = link[ball];
-  link[old.previous].next = old.next;
-  link[old.next].previous = old.previous;
-}
-
-static inline void em_calendar_link(struct em_calendar_link *link, uint32_t ball, uint32_t head) {
-  const uint32_t next = link[head].next;
-  link[ball] = (struct em_calendar_link){.next = next, .previous = head};
-  link[next].previous = ball;
-  link[head].next = ball;
-}
 
 static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t ball, double time) {
   q->due[place] = ball;
   q->due_time[place] = time;
-  q->link[ball] = (struct em_calendar_link){.next = place, .previous = EM_CALENDAR_DUE};
+  q->plan[ball].place = place;
 }
 
 static inline void em_calendar_add(struct em_queue *q, uint32_t ball, double time) {
@@ -81,8 +80,9 @@ static inline void em_calendar_add(struct em_queue *q, uint32_t ball, double tim
 }
 
 static inline void em_calendar_remove(struct em_queue *q, uint32_t place) {
-  const uint32_t last = --q->due_count;
+  const uint32_t last = --q->due_count, gone = q->due[place];
   em_calendar_put(q, place, q->due[last], q->due_time[last]);
+  q->plan[gone].place = EM_CALENDAR_WAITS;
   q->due_time[last] = INFINITY;
 }
 
@@ -90,36 +90,40 @@ static inline double em_calendar_bin(const struct em_queue *q, double time) {
   return (time - q->origin) * q->scale;
 }
 
-/* Files a ball that is nowhere and whose time is in bin `bin`. */
-static inline void em_calendar_file(struct em_queue *q, uint32_t ball, double bin) {
-  if (bin < q->due_end) {
-    em_calendar_add(q, ball, q->time[ball]);
-    return;
+/* Files a ball that is not due and whose time is in bin `at`; false: all have been filed anew. */
+static inline bool em_calendar_file(struct em_queue *q, uint32_t ball, double at) {
+  struct em_plan *plan = &q->plan[ball];
+  if (at < q->due_end) {
+    em_calendar_add(q, ball, plan->due);
+    return true;
   }
-  uint32_t head = q->bins;
-  if (bin < q->ring_end) {
-    const uint32_t slot = (uint32_t)((int64_t)bin - q->base);
-    head = slot - (slot >= q->bins ? q->bins : 0);
+  if (!(at < q->ring_end)) {
+    q->later[q->later_count] = ball;
+    q->later_count += !plan->later;
+    plan->later = 1;
+    return true;
   }
-  em_calendar_link(q->link, ball, q->count + head);
+  const uint32_t slot = (uint32_t)((int64_t)at - q->base);
+  struct em_calendar_bin *bin = &q->bin[slot - (slot >= q->bins ? q->bins : 0)];
+  if (bin->count == EM_CALENDAR_ENTRIES && !em_calendar_make_room(q, bin)) return false;
+  bin->ball[bin->count++] = ball;
+  return true;
 }
 
 /* See queue.h. */
 static inline void em_calendar_set(struct em_queue *q, uint32_t ball, double time) {
-  const double bin = em_calendar_bin(q, time);
+  struct em_plan *plan = &q->plan[ball];
+  const double at = em_calendar_bin(q, time);
   assert(ball < q->count && !isnan(time));
-  q->time[ball] = time;
-  if (q->link[ball].previous == EM_CALENDAR_DUE) {
-    const uint32_t place = q->link[ball].next;
-    if (bin < q->due_end) {
-      q->due_time[place] = time;
+  plan->due = time;
+  if (plan->place != EM_CALENDAR_WAITS) {
+    if (at < q->due_end) {
+      q->due_time[plan->place] = time;
       return;
     }
-    em_calendar_remove(q, place);
-  } else {
-    em_calendar_unlink(q->link, ball);
+    em_calendar_remove(q, plan->place);
   }
-  em_calendar_file(q, ball, bin);
+  (void)em_calendar_file(q, ball, at);
 }
 
 /* See queue.h. */

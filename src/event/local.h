@@ -7,22 +7,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "event/plan.h"
 #include "eventmill/scene.h"
 
 struct em_local; /* opaque; each kind has its own */
-
-/* One predicted contact of a ball. */
-struct em_prediction {
-  double time;      /* s within the epoch */
-  uint32_t partner; /* ball, or code of a surface */
-  uint32_t counter; /* the partner's collision counter when this was predicted */
-};
 
 /* An exchangeable kind of local list. */
 struct em_local_kind {
   const char *name;
   bool keeps_all; /* false: only the earliest is kept; when that turns out stale, predict anew */
-  struct em_local *(*make)(uint32_t count); /* NULL: no memory */
+  /* plan: of each ball, outlives the lists. NULL: no memory. */
+  struct em_local *(*make)(uint32_t count, struct em_plan *plan);
   void (*free)(struct em_local *local);
   void (*clear)(struct em_local *local, uint32_t ball);
   /* Enters a prediction; false: no memory. Equal times are allowed. */

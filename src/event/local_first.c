@@ -7,11 +7,11 @@ static void clear(struct em_local *local, uint32_t ball) {
   em_local_first_clear(local, ball);
 }
 
-static struct em_local *make(uint32_t count) {
-  struct em_local *local =
-      malloc(sizeof(struct em_local) + (size_t)count * sizeof(struct em_prediction));
+static struct em_local *make(uint32_t count, struct em_plan *plan) {
+  struct em_local *local = malloc(sizeof *local);
   if (!local) return NULL;
   local->count = count;
+  local->plan = plan;
   for (uint32_t ball = 0; ball < count; ball++)
     clear(local, ball);
   return local;
@@ -30,11 +30,11 @@ static const struct em_prediction *first(const struct em_local *local, uint32_t 
 }
 
 static size_t bytes(const struct em_local *local) {
-  return sizeof *local + (size_t)local->count * sizeof(struct em_prediction);
+  return sizeof *local;
 }
 
 static bool is_valid(const struct em_local *local, uint32_t ball) {
-  return ball < local->count && !isnan(local->earliest[ball].time);
+  return ball < local->count && !isnan(local->plan[ball].first.time);
 }
 
 const struct em_local_kind em_local_first = {

@@ -8,18 +8,18 @@
 
 struct em_local {
   uint32_t count;
-  struct em_prediction earliest[]; /* of each ball; INFINITY: none */
+  struct em_plan *plan; /* first: INFINITY, none */
 };
 
 /* See local.h. */
 static inline void em_local_first_clear(struct em_local *local, uint32_t ball) {
-  local->earliest[ball] = (struct em_prediction){INFINITY, UINT32_MAX, 0};
+  local->plan[ball].first = (struct em_prediction){INFINITY, UINT32_MAX, 0};
 }
 
 /* Equal times: the smaller partner, so that the order of entry does not matter. */
 static inline bool em_local_first_add(struct em_local *local, uint32_t ball,
                                       const struct em_prediction *prediction) {
-  struct em_prediction *kept = &local->earliest[ball];
+  struct em_prediction *kept = &local->plan[ball].first;
   if (prediction->time < kept->time ||
       (prediction->time == kept->time && prediction->partner < kept->partner))
     *kept = *prediction;
@@ -28,7 +28,7 @@ static inline bool em_local_first_add(struct em_local *local, uint32_t ball,
 
 static inline const struct em_prediction *em_local_first_get(const struct em_local *local,
                                                              uint32_t ball) {
-  const struct em_prediction *kept = &local->earliest[ball];
+  const struct em_prediction *kept = &local->plan[ball].first;
   return kept->time < INFINITY ? kept : NULL;
 }
 

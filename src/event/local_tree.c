@@ -37,7 +37,8 @@ static bool grow(struct em_local *local, size_t room) {
   return true;
 }
 
-static struct em_local *make(uint32_t count) {
+static struct em_local *make(uint32_t count, struct em_plan *plan) {
+  (void)plan;
   enum { PER_BALL = 4, LEAST = 16 };
   struct em_local *local = calloc(1, sizeof *local);
   if (!local) return NULL;

@@ -39,8 +39,8 @@ static inline const struct em_prediction *local_first(const struct em_world *w, 
 /* When ball i meets what it meets first, or leaves its place. */
 static inline double local_least(const struct em_world *w, uint32_t i) {
   const struct em_prediction *p =
-      w->keeps_all ? w->local_kind->first(w->local, i) : &w->local->earliest[i];
-  return p && p->time < w->leave[i] ? p->time : w->leave[i];
+      w->keeps_all ? w->local_kind->first(w->local, i) : &w->plan[i].first;
+  return p && p->time < w->plan[i].leave ? p->time : w->plan[i].leave;
 }
 
 static inline bool local_add(struct em_world *w, uint32_t i, const struct em_prediction *p) {
@@ -57,16 +57,36 @@ static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
 
 /* --- foresight -------------------------------------------------------------------------------- */
 
-enum { FORESEEN = 16 }; /* balls of a bin */
+enum { FORESEEN = 32 }; /* balls of a bin */
 
 /* Asks memory for all that stands at the number of a ball. */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {
   __builtin_prefetch(&w->body[i]);
-  __builtin_prefetch(&w->trace[i]);
-  __builtin_prefetch(&w->leave[i]);
-  __builtin_prefetch(&w->local->earliest[i]);
-  __builtin_prefetch(&w->queue->link[i]);
-  w->partition_kind->fetch(w, i, false, false);
+  __builtin_prefetch(&w->plan[i]);
+  if (!w->cells) w->partition_kind->fetch(w, i, false, false);
+}
+
+/* The balls whose bodies a prediction of ball i will read, or that of its crossing. */
+static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves) {
+  if (w->cells) {
+    em_blocks_fetch_balls(w, i, leaves);
+    return;
+  }
+  uint32_t count;
+  const uint32_t *id = w->partition_kind->candidates(w, i, &count);
+  for (uint32_t h = 0; h < count; h++) {
+    if (leaves)
+      w->partition_kind->fetch(w, id[h], false, false);
+    else
+      __builtin_prefetch(&w->body[id[h]]);
+  }
+}
+
+static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves) {
+  if (w->cells)
+    em_blocks_fetch(w, i, leaves);
+  else
+    w->partition_kind->fetch(w, i, true, leaves);
 }
 
 /* The calendar knows which balls come next: what their events will read is asked for two bins
@@ -77,30 +97,18 @@ static inline void foresee(struct em_world *w) {
     fetch_ball(w, ball[k]);
   n = em_calendar_peek(w->queue, 1, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction *p = &w->local->earliest[ball[k]];
-    const bool leaves = w->leave[ball[k]] <= p->time;
-    if (!leaves && p->partner < EM_SURFACE) fetch_ball(w, p->partner);
-    w->partition_kind->fetch(w, ball[k], true, leaves);
+    const struct em_plan *plan = &w->plan[ball[k]];
+    if (!(em_calendar_bin(w->queue, plan->due) < w->queue->due_end + 1.0)) continue;
+    const bool leaves = plan->leave <= plan->first.time;
+    if (!leaves && plan->first.partner < EM_SURFACE) fetch_ball(w, plan->first.partner);
+    fetch_place(w, ball[k], leaves);
   }
   n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction *p = &w->local->earliest[ball[k]];
-    const bool leaves = w->leave[ball[k]] <= p->time;
-    if (!leaves && p->partner < EM_SURFACE) w->partition_kind->fetch(w, p->partner, true, false);
-    if (w->cells) {
-      em_blocks_fetch_balls(w, ball[k], leaves);
-      continue;
-    }
-    uint32_t count;
-    const uint32_t *id = candidates(w, ball[k], &count);
-    for (uint32_t h = 0; h < count; h++) {
-      if (leaves) {
-        w->partition_kind->fetch(w, id[h], false, false);
-      } else {
-        __builtin_prefetch(&w->body[id[h]]);
-        __builtin_prefetch(&w->trace[id[h]]);
-      }
-    }
+    const struct em_plan *plan = &w->plan[ball[k]];
+    const bool leaves = plan->leave <= plan->first.time;
+    if (!leaves && plan->first.partner < EM_SURFACE) fetch_place(w, plan->first.partner, false);
+    fetch_candidates(w, ball[k], leaves);
   }
 }
 
@@ -125,10 +133,10 @@ static inline double absolute(const struct em_world *w, double t) {
 }
 
 static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32_t streak) {
-  struct em_trace *trace = &w->trace[i];
-  trace->counter++;
-  trace->last = partner;
-  trace->streak = streak;
+  struct em_plan *plan = &w->plan[i];
+  plan->counter++;
+  plan->last = partner;
+  plan->streak = streak;
 }
 
 /* The bin of em_tally.vn, from the leading bits of the number itself. */
@@ -181,9 +189,16 @@ static inline double turning_gap(struct em_turning *b, struct em_vec r, double r
 
 /* Is the event of ball i at t a contact that holds? Else it leaves its place, or is stale. */
 static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
-  if (w->leave[i] <= t) return false;
+  if (w->plan[i].leave <= t) return false;
   const struct em_prediction *p = local_first(w, i);
-  return p->partner >= EM_SURFACE || w->trace[p->partner].counter == p->counter;
+  return p->partner >= EM_SURFACE || w->plan[p->partner].counter == p->counter;
+}
+
+/* Does its earliest prediction hold, where it is the only one kept? */
+static inline bool is_fresh(const struct em_world *w, uint32_t i) {
+  const struct em_prediction *p = &w->plan[i].first;
+  const uint32_t known = p->partner < EM_SURFACE ? p->partner : i;
+  return (p->partner >= EM_SURFACE) | (w->plan[known].counter == p->counter);
 }
 
 /* Is the event of ball i that of its meeting with ball j? */

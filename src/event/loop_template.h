@@ -39,7 +39,7 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   if (!(p < 0.0)) return INFINITY;
   const double sigma = b->radius + a->radius;
   const double c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
-  if (w->trace[i].last == j && w->trace[j].last == i && a->t == b->t && c < 1e-3 * sigma * sigma)
+  if (w->plan[i].last == j && w->plan[j].last == i && a->t == b->t && c < 1e-3 * sigma * sigma)
     return INFINITY;
   if (c <= 0.0) return tr;
   if (WITH(EXTRA) && w->exact_pairs)
@@ -114,7 +114,7 @@ FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
   }
   const double first = vd_least_of(best);
   const uint32_t partner = (uint32_t)vl_least_of(vd_equal(best, vd_all(first)), who);
-  if (partner == w->trace[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
+  if (partner == w->plan[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
   return (struct em_prediction){first, partner, 0};
 }
 
@@ -127,14 +127,14 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
                              : w->body[i].t >= now ? FN(first_of_many)(w, i, id, n, now, true)
                                                    : FN(first_of_many)(w, i, id, n, now, false);
     if (!anew && p.time == INFINITY) return true;
-    p.counter = w->trace[p.partner < w->count ? p.partner : i].counter;
+    p.counter = w->plan[p.partner < w->count ? p.partner : i].counter;
     if (!anew) return local_add(w, i, &p);
-    w->local->earliest[i] = p;
+    w->plan[i].first = p;
     return true;
   }
   if (anew) w->local_kind->clear(w->local, i);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->trace[id[k]].counter};
+    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->plan[id[k]].counter};
     if (p.time < INFINITY && !local_add(w, i, &p)) return false;
   }
   return true;
@@ -144,7 +144,7 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
 
 /* How far ahead contacts with surfaces matter. */
 static double FN(until)(const struct em_world *w, uint32_t i) {
-  return w->keeps_all ? w->leave[i] : local_least(w, i);
+  return w->keeps_all ? w->plan[i].leave : local_least(w, i);
 }
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
@@ -162,7 +162,7 @@ static bool FN(predict_drum)(struct em_world *w, uint32_t i, double h) {
   if (sure > 0.0 && b->x * b->x + b->z * b->z < s2 && qx * qx + qz * qz < s2) return true;
   const uint32_t code = EM_SURFACE + EM_WALL_DRUM;
   const double gx = WITH(GRAVITY) ? w->gravity.x : 0.0, gz = WITH(GRAVITY) ? w->gravity.z : 0.0;
-  const bool touched = w->trace[i].last == code;
+  const bool touched = w->plan[i].last == code;
   if (WITH(EXTRA) && w->special_drum)
     return FN(enter_surface)(w, i, code, em_body_special_drum(w, i, touched, h));
   const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, rho, touched,
@@ -175,7 +175,7 @@ static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, dou
   if (gap > 0.0 && gap + rate * h - (WITH(GRAVITY) ? 0.5 * fabs(fall) * h * h : 0.0) > 0.0)
     return true;
   const uint32_t code = EM_SURFACE + wall;
-  const bool touched = w->trace[i].last == code;
+  const bool touched = w->plan[i].last == code;
   if (!WITH(GRAVITY)) fall = 0.0;
   const double dt = WITH(EXTRA) && w->exact_pairs
                         ? em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, touched)
@@ -205,7 +205,7 @@ static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double
   const struct em_vec g = WITH(GRAVITY) ? w->gravity : (struct em_vec){0, 0, 0};
   unsigned steps = 0;
   const double angle = turning->blade.angle + turning->blade.omega * b->t;
-  const bool touched = w->trace[i].last == code;
+  const bool touched = w->plan[i].last == code;
   const double dt =
       w->special_roots
           ? em_surface_roots_blade(&w->scene->engine.roots, &turning->blade, r, v, g, b->radius,
@@ -247,17 +247,6 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
   queue_set(w, i, local_least(w, i));
 }
 
-/* Asks memory for all that a prediction of ball i will read: the misses then overlap. Gains a
- * quarter at 10⁵ balls, nothing where the balls fit into the cache. */
-static void FN(fetch)(struct em_world *w, uint32_t i) {
-  uint32_t n;
-  const uint32_t *id = candidates(w, i, &n);
-  for (uint32_t k = 0; k < n; k++) {
-    __builtin_prefetch(&w->body[id[k]]);
-    __builtin_prefetch(&w->trace[id[k]]);
-  }
-}
-
 /* Predicts all events of ball i anew. */
 static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
@@ -279,7 +268,7 @@ static bool FN(predict_all)(struct em_world *w) {
 
 /* Counts contacts in a row. */
 static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {
-  return t - w->body[i].t <= w->within ? w->trace[i].streak + 1 : 0;
+  return t - w->body[i].t <= w->within ? w->plan[i].streak + 1 : 0;
 }
 
 static void FN(advance)(struct em_world *w, uint32_t i, double t) {
@@ -341,7 +330,7 @@ static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double sinc
 }
 
 static double FN(since)(const struct em_world *w, uint32_t i, double t) {
-  return w->trace[i].last == EM_NOBODY ? INFINITY : t - w->body[i].t;
+  return w->plan[i].last == EM_NOBODY ? INFINITY : t - w->body[i].t;
 }
 
 static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t j, double t,
@@ -520,25 +509,52 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
   return true;
 }
 
+/* A bin of the calendar begins at `now`: of its balls, those that leave their places in it are
+ * moved on at once, if they are near enough to the border, and predictions that are stale are made
+ * anew. When that is done changes no contact, and the processor, which cannot foretell what the
+ * next event is, goes through many of a kind without wrong guesses: a gain of 1.1. */
+static bool FN(tidy)(struct em_world *w, double now) {
+  uint32_t ball[FORESEEN], stale[FORESEEN], leaving = 0, rest = 0;
+  const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
+  for (uint32_t k = 0; k < n; k++) {
+    const uint32_t i = ball[k];
+    const bool leaves = w->plan[i].leave <= w->plan[i].first.time;
+    ball[leaving] = stale[rest] = i;
+    leaving += leaves;
+    rest += !leaves & !is_fresh(w, i);
+  }
+  for (uint32_t k = 0; k < leaving; k++) {
+    const struct em_body *b = &w->body[ball[k]];
+    const double leave = w->plan[ball[k]].leave, fallen = w->fall * (leave - b->t);
+    const double speed = sqrt(b->vx * b->vx + b->vy * b->vy + b->vz * b->vz) + fallen;
+    if (speed * (leave - now) <= w->early && !FN(cross)(w, ball[k], leave)) return false;
+  }
+  for (uint32_t k = 0; k < rest; k++)
+    if (!FN(renew)(w, stale[k], now)) return false;
+  return true;
+}
+
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
-  const bool foresight =
-      w->count >= EM_FETCH_FROM && w->calendar && !w->keeps_all && w->partition_kind->fetch;
+  const bool bins = w->calendar && !w->keeps_all;
+  const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
   uint32_t bin = UINT32_MAX;
   while (*left > 0) {
     double t;
     uint32_t rival, i = queue_first(w, &t, &rival);
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
-    if (foresight && w->queue->slot != bin) {
+    if (bins && w->queue->slot != bin) {
       bin = w->queue->slot;
-      foresee(w);
+      if (foresight) foresee(w);
+      if (!FN(tidy)(w, t)) return no_memory(err);
+      continue;
     }
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
     if (rival != i && !meets(w, i, rival)) i = untie(w, t);
     if (!is_real(w, i, t)) {
-      if (w->leave[i] <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
+      if (w->plan[i].leave <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
       continue;
     }
     const uint32_t partner = local_first(w, i)->partner;
@@ -550,8 +566,8 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     w->clock = at;
     --*left;
     if (foresight) {
-      FN(fetch)(w, i);
-      if (pair) FN(fetch)(w, partner);
+      fetch_candidates(w, i, false);
+      if (pair) fetch_candidates(w, partner, false);
     }
     FN(moved)(w, i);
     if (pair) FN(moved)(w, partner);

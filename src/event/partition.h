@@ -1,8 +1,10 @@
 /* Partitions: which balls, and which blades, can a ball meet before it leaves its place?
  *
- * A partition keeps world.leave[i] for every ball: a time, never later than the moment from which
- * the candidates of i could be incomplete. Until both leave times, any two balls that can touch are
- * candidates of each other. What is chosen never changes the sequence of collisions. */
+ * A partition keeps world.plan[i].leave for every ball: a time, never later than the moment from
+ * which the candidates of i could be incomplete. Until both leave times, any two balls that can
+ * touch are candidates of each other, and this holds, too, if each is moved on when it is still
+ * world.early (m) of its way before its leave time. What is chosen never changes the sequence of
+ * collisions. */
 #ifndef EVENTMILL_PARTITION_H
 #define EVENTMILL_PARTITION_H
 
@@ -17,11 +19,11 @@ struct em_partition_kind {
   /* All candidates of ball i (i itself is not among them); valid until the next call. Behind them,
    * up to a multiple of four, stand any balls; the same holds for cross. */
   const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
-  /* Ball i moves along a new path since body[i].t: sets world.leave[i]. */
+  /* Ball i moves along a new path since body[i].t: sets world.plan[i].leave. */
   void (*moved)(struct em_world *world, uint32_t i);
-  /* Ball i has reached its leave time `now`: re-places it, sets world.leave[i] > now where it can,
-   * and returns candidates that may be new (a superset of the new ones is allowed). Valid until the
-   * next call. NULL with *count > 0: no memory. */
+  /* Ball i reaches its leave time `now`, or will: re-places it, sets world.plan[i].leave > now
+   * where it can, and returns candidates that may be new (a superset of the new ones is allowed).
+   * Valid until the next call. NULL with *count > 0: no memory. */
   const uint32_t *(*cross)(struct em_world *world, uint32_t i, double now, uint32_t *count);
   /* A new epoch has begun: all times of the world, leave times too, have been moved back by its
    * length. NULL: nothing to do. Returns false when memory is short. */

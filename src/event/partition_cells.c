@@ -9,6 +9,7 @@
  * balls crowd where it throws them. Measured. */
 #define CROWD_GAS  0.7
 #define CROWD_MILL 0.6
+#define WIDER      1.001 /* than a ball: what lets balls be moved on early */
 #define FAR        1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
@@ -53,7 +54,7 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
 }
 
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
-  em_blocks_fetch(w, i, beyond, leaves);
+  if (beyond) em_blocks_fetch(w, i, leaves);
 }
 
 static uint32_t surfaces(const struct em_world *w, uint32_t i) {
@@ -70,14 +71,13 @@ static void free_places(struct em_places *p) {
   }
   free(p->slot);
   free(p->near);
-  free(p->place);
   free(p->centre);
   free(p->found);
   free(p);
 }
 
 /* Cells as small as touching balls allow, but not many more than balls. */
-static void set_cells(const struct em_world *w, struct em_places *p) {
+static void set_cells(struct em_world *w, struct em_places *p) {
   double extent[3], low[3], period[3];
   split(em_vec_sub(w->high, w->low), extent);
   split(w->low, low);
@@ -87,12 +87,13 @@ static void set_cells(const struct em_world *w, struct em_places *p) {
   p->slack = 1e-6 * w->largest;
   const double each = em_scene_volume(w->scene) / fmax(1.0, w->count);
   const double crowd = w->blade_count ? CROWD_MILL : CROWD_GAS;
-  double edge = fmax(2.0 * w->largest + 4.0 * p->slack, crowd * cbrt(each));
+  double edge = fmax(WIDER * 2.0 * w->largest, crowd * cbrt(each));
   const double most = 8.0 * w->count + 64.0;
   while (fmax(1.0, extent[0] / edge) * fmax(1.0, extent[1] / edge) * fmax(1.0, extent[2] / edge) >
          most)
     edge *= 1.1;
   p->room_m = INFINITY;
+  w->early = INFINITY;
   for (int a = 0; a < 3; a++) {
     struct em_blocks_axis *axis = &p->axis[a];
     axis->low = low[a];
@@ -103,6 +104,7 @@ static void set_cells(const struct em_world *w, struct em_places *p) {
       p->room_m = em_span_room(w);
     }
     axis->edge = extent[a] / axis->n;
+    if (axis->n > 1) w->early = fmin(w->early, 0.49 * (axis->edge - 2.0 * w->largest));
     p->from[a] = axis->n == 1 && period[a] > 0.0 ? 1 : 0; /* its own neighbour: it counts once */
     p->to[a] = 2 - p->from[a];
     p->period[a] = axis->n > 1 ? period[a] : 0.0;
@@ -134,12 +136,10 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   for (int a = 0; a < 3; a++, step *= cells)
     if (!set_axis(&p->axis[a], a == 0, step, &cells)) return false;
   p->cells = step;
-  p->place = em_body_array(p->count, sizeof *p->place);
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(p->cells, sizeof *p->near);
   if (p->room_m < INFINITY) p->centre = em_body_array(p->count, sizeof *p->centre);
-  return p->place && em_partition_cells_widen(p) && (p->near || !any) &&
-         (p->centre || p->room_m == INFINITY);
+  return em_partition_cells_widen(p) && (p->near || !any) && (p->centre || p->room_m == INFINITY);
 }
 
 /* Surfaces that a ball with its centre in a box c ± half can touch. */
@@ -168,7 +168,7 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         double c[3];
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
-        p->near[em_blocks_number(p, at)] = surfaces_near(w, c, half, 2.0 * p->slack);
+        p->near[em_blocks_number(p, at)] = surfaces_near(w, c, half, 2.0 * p->slack + w->early);
       }
 }
 
@@ -185,7 +185,7 @@ static bool fill(struct em_world *w, struct em_places *p) {
     double x[3];
     split(r, x);
     for (int a = 0; a < 3; a++)
-      p->place[i].at[a] = number_along(&p->axis[a], x[a]);
+      p->plan[i].cell[a] = number_along(&p->axis[a], x[a]);
     if (p->centre) p->centre[i] = r;
     if (!em_blocks_enter(p, i)) return false;
     const struct em_vec v = em_body_velocity(w, i, w->clock);
@@ -198,6 +198,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   struct em_places *p = em_body_array(1, sizeof *p);
   if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   p->count = w->count;
+  p->plan = w->plan;
   set_cells(w, p);
   if (!(p->room_m > 0.0)) {
     free_places(p);
@@ -212,13 +213,14 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
+  if (!(w->early < INFINITY)) w->early = 0.0;
   if (p->near) set_near(w, p);
   *places = p;
   return EM_OK;
 }
 
 static size_t bytes(const struct em_places *p) {
-  const size_t each = sizeof *p->place + (p->centre ? sizeof *p->centre : 0);
+  const size_t each = p->centre ? sizeof *p->centre : 0;
   const size_t cell = p->room * sizeof *p->slot + (p->near ? sizeof *p->near : 0);
   return sizeof *p + p->count * each + p->cells * cell + 27 * p->room * sizeof *p->found;
 }
@@ -231,7 +233,7 @@ static bool is_valid(const struct em_world *w) {
   for (size_t k = 0; k < p->cells * p->room; k++)
     held += p->slot[k] != EM_BLOCKS_EMPTY;
   for (uint32_t i = 0; i < p->count; i++) {
-    const uint16_t *at = p->place[i].at;
+    const uint16_t *at = p->plan[i].cell;
     const uint32_t k = em_blocks_slot_of(p, at, i);
     if (k == p->room) return false;
     sum++;

@@ -233,7 +233,7 @@ static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, dou
   const struct shell *s = &p->shell[i];
   const double inside = KEEP * (double)s->skin;
   if (em_vec_norm2(offset(w, s, x)) > inside * inside) return false;
-  w->leave[i] = stay(w, p, s, now, x, v, fast2);
+  w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
   return true;
 }
 
@@ -249,7 +249,7 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   s->centre[0] = (float)wrapped(c.x, w->low.x, w->period.x);
   s->centre[1] = (float)wrapped(c.y, w->low.y, w->period.y);
   s->centre[2] = (float)wrapped(c.z, w->low.z, w->period.z);
-  w->leave[i] = stay(w, p, s, now, x, v, fast2);
+  w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
   if (p->near) p->near[i] = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
 }
 
@@ -346,7 +346,7 @@ static void moved(struct em_world *w, uint32_t i) {
   struct em_vec x = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
   const double fast2 = em_vec_norm2(v);
   if (p->omega != 0.0) turn_to_shells(p, b->t, &x, &v);
-  w->leave[i] = stay(w, p, &p->shell[i], b->t, x, v, fast2);
+  w->plan[i].leave = stay(w, p, &p->shell[i], b->t, x, v, fast2);
 }
 
 static uint32_t surfaces(const struct em_world *w, uint32_t i) {
@@ -502,6 +502,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   p->many = 28;
   w->places = p;
   p->may_turn = may_turn(w);
+  w->early = p->may_turn ? 0.0 : 0.1 * p->skin_least;
   p->at = p->now = NAN;
   double rest = 0.0;
   if (p->may_turn) p->omega = mean_rotation(w, &rest);

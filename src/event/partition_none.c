@@ -16,9 +16,9 @@ struct em_places {
 
 static void set_leave(struct em_world *w, uint32_t i, double from) {
   const struct em_places *p = w->places;
-  w->leave[i] = em_span_limit(w, from);
+  w->plan[i].leave = em_span_limit(w, from);
   if (p->centre)
-    w->leave[i] = fmin(w->leave[i], em_partition_stay(w, i, from, p->centre[i], p->room));
+    w->plan[i].leave = fmin(w->plan[i].leave, em_partition_stay(w, i, from, p->centre[i], p->room));
 }
 
 static void moved(struct em_world *w, uint32_t i) {

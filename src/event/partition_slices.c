@@ -74,7 +74,7 @@ static void set_leave(struct em_world *w, uint32_t i, double from) {
   const double y = seen(p, c, em_body_at(w, i, from).y), v = em_body_velocity(w, i, from).y;
   double leave = from + em_span_leave(y, v, w->gravity.y, low_of(p, c), high_of(p, c));
   if (p->centre) leave = fmin(leave, em_partition_stay(w, i, from, p->centre[i], p->room));
-  w->leave[i] = fmin(leave, em_span_limit(w, from));
+  w->plan[i].leave = fmin(leave, em_span_limit(w, from));
 }
 
 static void moved(struct em_world *w, uint32_t i) {

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "event/plan.h"
 #include "eventmill/scene.h"
 
 struct em_queue; /* opaque; each kind has its own */
@@ -17,8 +18,9 @@ struct em_queue; /* opaque; each kind has its own */
  * `clear`. */
 struct em_queue_kind {
   const char *name;
-  /* count balls; spacing: expected time between successive events (s), a hint. NULL: no memory. */
-  struct em_queue *(*make)(uint32_t count, double spacing);
+  /* plan: of each of count balls, outlives the list; spacing: expected time between successive
+   * events (s), a hint. NULL: no memory. */
+  struct em_queue *(*make)(uint32_t count, struct em_plan *plan, double spacing);
   void (*free)(struct em_queue *queue);
   /* Empties the list; times may start anew at `from`. */
   void (*clear)(struct em_queue *queue, double from);

@@ -19,7 +19,8 @@ static void clear(struct em_queue *queue, double from) {
     queue->node[n] = (struct em_rbnode){.key = INFINITY, .rank = n};
 }
 
-static struct em_queue *make(uint32_t count, double spacing) {
+static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacing) {
+  (void)plan;
   (void)spacing;
   if (count >= EM_RBTREE_NONE) return NULL;
   struct em_queue *queue =

@@ -101,12 +101,11 @@ static void set_times(struct em_world *w) {
 
 static bool take_arrays(struct em_world *w, bool spin, bool mixed) {
   w->body = em_body_array(w->count, sizeof *w->body);
-  w->trace = em_body_array(w->count, sizeof *w->trace);
-  w->leave = em_body_array(w->count, sizeof *w->leave);
+  w->plan = em_body_array(w->count, sizeof *w->plan);
   w->tied = em_body_array(w->count, sizeof *w->tied);
   if (spin) w->spin = em_body_array(w->count, sizeof *w->spin);
   if (mixed) w->mass = em_body_array(w->count, sizeof *w->mass);
-  return w->body && w->trace && w->leave && w->tied && (w->spin || !spin) && (w->mass || !mixed);
+  return w->body && w->plan && w->tied && (w->spin || !spin) && (w->mass || !mixed);
 }
 
 static void set_balls(struct em_world *w, const struct em_balls *balls) {
@@ -114,7 +113,7 @@ static void set_balls(struct em_world *w, const struct em_balls *balls) {
   for (uint32_t i = 0; i < w->count; i++) {
     const struct em_vec x = balls->position[i], v = balls->velocity[i];
     w->body[i] = (struct em_body){x.x, x.y, x.z, v.x, v.y, v.z, 0.0, balls->radius[i]};
-    w->trace[i].last = EM_NOBODY;
+    w->plan[i].last = EM_NOBODY;
     w->largest = fmax(w->largest, balls->radius[i]);
     w->smallest = fmin(w->smallest, balls->radius[i]);
     if (w->spin) w->spin[i] = balls->spin[i];
@@ -179,8 +178,8 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
   w->cells = w->partition_kind == &em_partition_cells;
   w->calendar = w->queue_kind == &em_queue_calendar;
   w->keeps_all = w->local_kind->keeps_all;
-  w->queue = w->queue_kind->make(w->count, spacing);
-  w->local = w->local_kind->make(w->count);
+  w->queue = w->queue_kind->make(w->count, w->plan, spacing);
+  w->local = w->local_kind->make(w->count, w->plan);
   if (!w->queue || !w->local)
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
   return w->partition_kind->make(w, &w->places, err);
@@ -213,8 +212,7 @@ void em_world_free(struct em_world *w) {
   if (w->local) w->local_kind->free(w->local);
   if (w->places) w->partition_kind->free(w->places);
   free(w->body);
-  free(w->trace);
-  free(w->leave);
+  free(w->plan);
   free(w->tied);
   free(w->spin);
   free(w->mass);
@@ -352,7 +350,7 @@ const char *em_world_variant(const struct em_world *w) {
 }
 
 double em_world_bytes_per_ball(const struct em_world *w) {
-  size_t each = sizeof *w->body + sizeof *w->trace + sizeof *w->leave + sizeof *w->tied;
+  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->tied;
   if (w->spin) each += sizeof *w->spin;
   if (w->mass) each += sizeof *w->mass;
   const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local) +
@@ -362,7 +360,7 @@ double em_world_bytes_per_ball(const struct em_world *w) {
 
 double em_world_bytes_of_events(const struct em_world *w) {
   const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local);
-  return w->count ? (double)lists / w->count : 0.0;
+  return w->count ? (double)sizeof *w->plan + (double)lists / w->count : 0.0;
 }
 
 /* --- checking --------------------------------------------------------------------------------- */
@@ -481,8 +479,8 @@ enum em_status em_world_snapshot(const struct em_world *w, struct em_snapshot **
     s->position[i] = em_vec_make(b->x, b->y, b->z);
     s->velocity[i] = em_vec_make(b->vx, b->vy, b->vz);
     s->time[i] = b->t;
-    s->last[i] = w->trace[i].last;
-    s->streak[i] = w->trace[i].streak;
+    s->last[i] = w->plan[i].last;
+    s->streak[i] = w->plan[i].streak;
     if (w->spin) s->spin[i] = w->spin[i];
   }
   for (uint32_t k = 0; k < w->blade_count; k++) {
@@ -526,8 +524,8 @@ static void restore(struct em_world *w, const struct em_snapshot *s) {
   w->tally = s->tally;
   for (uint32_t i = 0; i < w->count; i++) {
     w->body[i].t = s->time[i];
-    w->trace[i].last = s->last[i];
-    w->trace[i].streak = s->streak[i];
+    w->plan[i].last = s->last[i];
+    w->plan[i].streak = s->streak[i];
   }
   for (uint32_t k = 0; k < w->blade_count; k++) {
     w->blade[k].blade.angle = s->blade_angle[k];

@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "event/queue.h"
@@ -65,7 +66,10 @@ static double measure(const struct em_queue_kind *kind, uint32_t count, double s
                       const double *wait, size_t *bytes) {
   const uint64_t steps = 2000000;
   uint64_t state = 9;
-  struct em_queue *queue = kind->make(count, spacing);
+  struct em_plan *plan = aligned_alloc(64, count * sizeof *plan);
+  if (!plan) exit(1);
+  memset(plan, 0, count * sizeof *plan);
+  struct em_queue *queue = kind->make(count, plan, spacing);
   if (!queue) exit(1);
   for (uint32_t n = 0; n < count; n++)
     kind->set(queue, n, wait[draw(&state) % WAITS]);
@@ -73,6 +77,7 @@ static double measure(const struct em_queue_kind *kind, uint32_t count, double s
   const double cost = hold(queue, kind, count, steps, wait, &state);
   *bytes = kind->bytes(queue);
   kind->free(queue);
+  free(plan);
   return cost - overhead(count, steps, wait);
 }
 

@@ -60,10 +60,12 @@ static void check(const struct em_local_kind *kind, const struct em_local *local
   assert_int_equal(first->counter, expected->counter);
 }
 
+static struct em_plan plans[BALLS];
+
 static void try_random(const struct em_local_kind *kind, uint32_t times, uint32_t partners,
                        uint64_t seed) {
   static struct plain plain[BALLS];
-  struct em_local *local = kind->make(BALLS);
+  struct em_local *local = kind->make(BALLS, plans);
   assert_non_null(local);
   uint64_t state = seed;
   for (uint32_t ball = 0; ball < BALLS; ball++)
@@ -110,7 +112,7 @@ static void test_order_of_entry_does_not_matter(void **unused) {
   const struct em_prediction a = {1.0, 7, 0}, b = {1.0, 3, 0}, wall = {1.0, UINT32_MAX, 0};
   for (int k = 0; k < KINDS; k++) {
     const struct em_local_kind *kind = em_local_find((enum em_lists)k);
-    struct em_local *local = kind->make(2);
+    struct em_local *local = kind->make(2, plans);
     const struct em_prediction *order[2][3] = {{&a, &b, &wall}, {&wall, &b, &a}};
     for (uint32_t ball = 0; ball < 2; ball++)
       for (int n = 0; n < 3; n++)
@@ -129,7 +131,7 @@ static void test_order_of_entry_does_not_matter(void **unused) {
 static void test_pool_is_reused(void **unused) {
   (void)unused;
   const struct em_local_kind *kind = &em_local_tree;
-  struct em_local *local = kind->make(3);
+  struct em_local *local = kind->make(3, plans);
   const size_t before = kind->bytes(local);
   size_t grown = 0;
   for (int round = 0; round < 50; round++) {

@@ -1,0 +1,26 @@
+/* What a ball has before it and behind it, apart from its state: one cache line, for in a large
+ * system each line that an event reads is waited for. */
+#ifndef EVENTMILL_EVENT_PLAN_H
+#define EVENTMILL_EVENT_PLAN_H
+
+#include <stdint.h>
+
+/* One predicted contact of a ball. */
+struct em_prediction {
+  double time;      /* s within the epoch */
+  uint32_t partner; /* ball, or code of a surface */
+  uint32_t counter; /* the partner's collision counter when this was predicted */
+};
+
+struct em_plan {
+  struct em_prediction first; /* its earliest contact: see local_first.h */
+  double leave;               /* s: until when its candidates are complete: see partition.h */
+  double due;                 /* s, of its next event, and */
+  uint32_t place, later;      /* where it stands among the events: see calendar.h */
+  uint32_t counter;           /* real events so far; wraps, compared for equality only */
+  uint32_t last;              /* partner of the last real event: ball, surface or EM_NOBODY */
+  uint32_t streak;            /* contacts in a row, each within world.within of the one before */
+  uint16_t cell[3], exit;     /* where it is: see blocks.h */
+} __attribute__((aligned(64)));
+
+#endif
