@@ -160,12 +160,16 @@ static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
-/* Appends the balls in up to 16 slots but ball `self`; writes EM_BLOCKS_BEYOND places. */
+/* Appends the balls in up to 12 slots but ball `self`; writes EM_BLOCKS_BEYOND places. No further
+ * slot is read: in large systems it would be waited for. */
 static inline uint32_t *em_blocks_append(const uint32_t *slot, uint32_t width, uint32_t self,
                                          uint32_t *end) {
 #if defined(__AVX512F__)
   const __mmask16 lanes = (__mmask16)((1u << width) - 1u);
-  const __m512i all = _mm512_loadu_si512(slot);
+  const __m256i most = _mm256_loadu_si256((const __m256i *)slot);
+  const __m128i rest = _mm_loadu_si128((const __m128i *)(slot + 8));
+  const __m512i all =
+      _mm512_inserti64x4(_mm512_castsi256_si512(most), _mm256_zextsi128_si256(rest), 1);
   const __mmask16 some = _mm512_mask_cmpneq_epi32_mask(lanes, all, _mm512_set1_epi32(-1));
   const __mmask16 in = _mm512_mask_cmpneq_epi32_mask(some, all, _mm512_set1_epi32((int)self));
   _mm512_storeu_si512(end, _mm512_maskz_compress_epi32(in, all));
@@ -272,6 +276,13 @@ static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool le
   if (!leaves || !em_blocks_ahead(p, i, from, to)) {
     memcpy(from, p->from, sizeof from);
     memcpy(to, p->to, sizeof to);
+  } else { /* out of one cell, into the other */
+    const struct em_plan *here = &p->plan[i];
+    uint16_t next[3];
+    memcpy(next, here->cell, sizeof next);
+    next[here->exit / 2] = (uint16_t)(next[here->exit / 2] + (here->exit & 1 ? 1 : -1));
+    __builtin_prefetch(p->slot + em_blocks_number(p, here->cell) * p->room);
+    __builtin_prefetch(p->slot + em_blocks_number(p, next) * p->room);
   }
   const uint32_t *row[9];
   const uint32_t n = em_blocks_rows(p, i, from, to, row);
@@ -287,8 +298,10 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
   int from[3], to[3];
   const bool ahead = leaves && em_blocks_ahead(p, i, from, to);
   const uint32_t n = em_blocks_collect(p, i, ahead ? from : p->from, ahead ? to : p->to);
-  for (uint32_t k = 0; k < n; k++)
+  for (uint32_t k = 0; k < n; k++) {
     __builtin_prefetch(&w->body[p->found[k]]);
+    __builtin_prefetch(&w->counter[p->found[k]]);
+  }
 }
 
 static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {

@@ -44,8 +44,10 @@ struct em_world {
   uint32_t count;
   struct em_body *body;
   struct em_plan *plan;
-  struct em_vec *spin;             /* rad/s; NULL when no rule knows spins */
-  double *mass;                    /* kg; NULL when all are equal */
+  uint32_t *counter;   /* real events of each ball so far; wraps, compared for equality only; apart
+                          from the rest, for whoever predicts a contact reads the partner's */
+  struct em_vec *spin; /* rad/s; NULL when no rule knows spins */
+  double *mass;        /* kg; NULL when all are equal */
   double mass0, largest, smallest; /* kg; m, m: radii */
 
   struct em_vec gravity;

@@ -25,8 +25,8 @@ static void empty(struct em_queue *q) {
     q->plan[ball].later = 0;
   }
   for (uint32_t k = 0; k < q->all_bins; k++) {
-    q->bin[k].count = 0;
-    q->bin[k].aside = k < q->bins || k + 1 == q->all_bins ? 0 : k + 1;
+    q->entries[k] = 0;
+    q->aside[k] = k < q->bins || k + 1 == q->all_bins ? 0 : k + 1;
   }
   q->spare = q->bins;
 }
@@ -115,24 +115,27 @@ static bool next_turn(struct em_queue *q) {
   return true;
 }
 
-bool em_calendar_make_room(struct em_queue *q, struct em_calendar_bin *bin) {
+bool em_calendar_make_room(struct em_queue *q, uint32_t bin) {
   const uint32_t aside = q->spare;
   if (!aside) {
     refile_all(q, earliest_time(q), q->width);
     return false;
   }
-  q->spare = q->bin[aside].aside;
-  q->bin[aside] = *bin;
-  *bin = (struct em_calendar_bin){.aside = aside};
+  q->spare = q->aside[aside];
+  q->bin[aside] = q->bin[bin];
+  q->entries[aside] = EM_CALENDAR_ENTRIES;
+  q->aside[aside] = q->aside[bin];
+  q->entries[bin] = 0;
+  q->aside[bin] = aside;
   return true;
 }
 
 /* The balls of a bin become due, but those that have moved: which have cannot be foretold, so there
  * is no branch. A ball that was entered twice is due by then. */
-static void load(struct em_queue *q, const struct em_calendar_bin *bin) {
+static void load(struct em_queue *q, uint32_t bin) {
   uint32_t n = q->due_count;
-  for (uint32_t k = 0; k < bin->count; k++) {
-    const uint32_t ball = bin->ball[k];
+  for (uint32_t k = 0; k < q->entries[bin]; k++) {
+    const uint32_t ball = q->bin[bin].ball[k];
     struct em_plan *plan = &q->plan[ball];
     const bool in =
         (em_calendar_bin(q, plan->due) < q->due_end) & (plan->place == EM_CALENDAR_WAITS);
@@ -148,7 +151,7 @@ static void load(struct em_queue *q, const struct em_calendar_bin *bin) {
 bool em_calendar_advance(struct em_queue *q) {
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
-    while (slot < q->bins && q->bin[slot].count == 0)
+    while (slot < q->bins && q->entries[slot] == 0)
       slot++;
     if (slot == q->bins) {
       if (!next_turn(q)) return false;
@@ -158,10 +161,10 @@ bool em_calendar_advance(struct em_queue *q) {
     set_current(q, q->base + slot);
     uint32_t k = slot, next;
     do {
-      load(q, &q->bin[k]);
-      next = q->bin[k].aside;
-      q->bin[k].count = 0;
-      q->bin[k].aside = k < q->bins ? 0 : q->spare;
+      load(q, k);
+      next = q->aside[k];
+      q->entries[k] = 0;
+      q->aside[k] = k < q->bins ? 0 : q->spare;
       if (k >= q->bins) q->spare = k;
       k = next;
     } while (next);
@@ -170,11 +173,12 @@ bool em_calendar_advance(struct em_queue *q) {
 }
 
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most) {
-  const struct em_calendar_bin *bin = &q->bin[q->slot + ahead];
+  const uint32_t bin = q->slot + ahead;
+  __builtin_prefetch(&q->bin[bin + 2 < q->bins ? bin + 2 : bin]);
   const bool due = ahead == 0;
-  if (!due && q->slot + ahead >= q->bins) return 0;
-  const uint32_t all = due ? q->due_count : bin->count, n = all < most ? all : most;
-  memcpy(ball, due ? q->due : bin->ball, n * sizeof *ball);
+  if (!due && bin >= q->bins) return 0;
+  const uint32_t all = due ? q->due_count : q->entries[bin], n = all < most ? all : most;
+  memcpy(ball, due ? q->due : q->bin[bin].ball, n * sizeof *ball);
   return n;
 }
 
@@ -189,6 +193,8 @@ static void clear(struct em_queue *q, double from) {
 static void free_queue(struct em_queue *q) {
   if (!q) return;
   free(q->bin);
+  free(q->entries);
+  free(q->aside);
   free(q->later);
   free(q->due);
   free(q->due_time);
@@ -205,10 +211,12 @@ static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacin
   q->all_bins = q->bins + 2 * (count / EM_CALENDAR_ENTRIES) + LEAST_BINS;
   q->width = spacing > 0.0 && spacing < INFINITY ? TARGET * spacing : 1.0;
   q->bin = em_body_array(q->all_bins, sizeof *q->bin);
+  q->entries = em_body_array(q->all_bins, sizeof *q->entries);
+  q->aside = em_body_array(q->all_bins, sizeof *q->aside);
   q->later = em_body_array((size_t)count + 1, sizeof *q->later);
   q->due = em_body_array((size_t)count + 8, sizeof *q->due);
   q->due_time = em_body_array((size_t)count + 8, sizeof *q->due_time);
-  if (!q->bin || !q->later || !q->due || !q->due_time) {
+  if (!q->bin || !q->entries || !q->aside || !q->later || !q->due || !q->due_time) {
     free_queue(q);
     return NULL;
   }
@@ -260,7 +268,8 @@ static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
 
 static size_t bytes(const struct em_queue *q) {
   return sizeof *q + ((size_t)q->count + 8) * (sizeof *q->due + sizeof *q->due_time) +
-         ((size_t)q->count + 1) * sizeof *q->later + (size_t)q->all_bins * sizeof *q->bin;
+         ((size_t)q->count + 1) * sizeof *q->later +
+         (size_t)q->all_bins * (sizeof *q->bin + sizeof *q->entries + sizeof *q->aside);
 }
 
 static bool due_is_valid(const struct em_queue *q) {
@@ -281,9 +290,9 @@ static bool waits(const struct em_queue *q, uint32_t ball, double at) {
   const bool ahead = !(at < (double)q->base + q->bins); /* not in this turn */
   if (!(at < q->ring_end) || (ahead && q->plan[ball].later)) return q->plan[ball].later;
   for (uint32_t k = (uint32_t)(((int64_t)at - q->base) % q->bins), next;; k = next) {
-    for (uint32_t n = 0; n < q->bin[k].count; n++)
+    for (uint32_t n = 0; n < q->entries[k]; n++)
       if (q->bin[k].ball[n] == ball) return true;
-    next = q->bin[k].aside;
+    next = q->aside[k];
     if (!next) return false;
   }
 }

@@ -24,13 +24,12 @@
 
 enum {
   EM_CALENDAR_LARGE = 32,
-  EM_CALENDAR_ENTRIES = 14 /* of a bin, before they are put aside */
+  EM_CALENDAR_ENTRIES = 16 /* of a bin, before they are put aside */
 };
 #define EM_CALENDAR_WAITS UINT32_MAX /* plan.place of a ball that is not due */
 
+/* One cache line, which is written to and not waited for: how many there are is kept apart. */
 struct em_calendar_bin {
-  uint32_t count;
-  uint32_t aside; /* a full one that belongs here, too; 0: none */
   uint32_t ball[EM_CALENDAR_ENTRIES];
 } __attribute__((aligned(64)));
 
@@ -40,6 +39,8 @@ struct em_queue {
   double ring_end;             /* bins from this one on are in the overflow: current + bins */
   struct em_plan *plan;        /* of each ball: due; place, among the due; later: it stands there */
   struct em_calendar_bin *bin; /* the ring, and behind it those that were put aside */
+  uint8_t *entries;            /* of each bin */
+  uint32_t *aside;             /* of each bin: a full one that belongs there, too; 0: none */
   uint32_t *later;             /* balls beyond the ring, or that were */
   uint32_t *due;               /* balls of the current bin and before */
   double *due_time;            /* INFINITY up to a multiple of eight */
@@ -61,7 +62,7 @@ void em_calendar_relieve(struct em_queue *q);
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
 /* A bin is full: puts its entries aside, or, where no room is left, files all balls anew; false:
  * that was done. */
-bool em_calendar_make_room(struct em_queue *q, struct em_calendar_bin *bin);
+bool em_calendar_make_room(struct em_queue *q, uint32_t bin);
 
 /* The balls of the bin that comes `ahead` bins after the current one, up to `most` of them, as far
  * as it lies in this turn; some may not be there any more, unless it is the current one. Returns
@@ -104,9 +105,9 @@ static inline bool em_calendar_file(struct em_queue *q, uint32_t ball, double at
     return true;
   }
   const uint32_t slot = (uint32_t)((int64_t)at - q->base);
-  struct em_calendar_bin *bin = &q->bin[slot - (slot >= q->bins ? q->bins : 0)];
-  if (bin->count == EM_CALENDAR_ENTRIES && !em_calendar_make_room(q, bin)) return false;
-  bin->ball[bin->count++] = ball;
+  const uint32_t bin = slot - (slot >= q->bins ? q->bins : 0);
+  if (q->entries[bin] == EM_CALENDAR_ENTRIES && !em_calendar_make_room(q, bin)) return false;
+  q->bin[bin].ball[q->entries[bin]++] = ball;
   return true;
 }
 

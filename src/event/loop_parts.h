@@ -55,6 +55,13 @@ static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
   return w->cells ? em_blocks_surfaces(w, i) : w->partition_kind->surfaces(w, i);
 }
 
+/* Does its earliest prediction hold, where it is the only one kept? */
+static inline bool is_fresh(const struct em_world *w, uint32_t i) {
+  const struct em_prediction *p = &w->plan[i].first;
+  const uint32_t known = p->partner < EM_SURFACE ? p->partner : i;
+  return (p->partner >= EM_SURFACE) | (w->counter[known] == p->counter);
+}
+
 /* --- foresight -------------------------------------------------------------------------------- */
 
 enum { FORESEEN = 32 }; /* balls of a bin */
@@ -63,6 +70,7 @@ enum { FORESEEN = 32 }; /* balls of a bin */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {
   __builtin_prefetch(&w->body[i]);
   __builtin_prefetch(&w->plan[i]);
+  __builtin_prefetch(&w->counter[i]);
   if (!w->cells) w->partition_kind->fetch(w, i, false, false);
 }
 
@@ -77,8 +85,10 @@ static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves)
   for (uint32_t h = 0; h < count; h++) {
     if (leaves)
       w->partition_kind->fetch(w, id[h], false, false);
-    else
+    else {
       __builtin_prefetch(&w->body[id[h]]);
+      __builtin_prefetch(&w->counter[id[h]]);
+    }
   }
 }
 
@@ -89,10 +99,12 @@ static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves
     w->partition_kind->fetch(w, i, true, leaves);
 }
 
-/* The calendar knows which balls come next: what their events will read is asked for two bins
- * ahead, what these memories point to one bin ahead, and the candidates when the bin begins. */
+/* The calendar knows which balls come next: what stands at their numbers is asked for two bins
+ * ahead; what that points to, and what stands at the numbers of those that they will meet, one bin
+ * ahead; and the candidates of both when the bin begins. */
 static inline void foresee(struct em_world *w) {
-  uint32_t ball[FORESEEN], n = em_calendar_peek(w->queue, 2, ball, FORESEEN);
+  uint32_t ball[FORESEEN], partner[FORESEEN], pairs = 0;
+  uint32_t n = em_calendar_peek(w->queue, 2, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++)
     fetch_ball(w, ball[k]);
   n = em_calendar_peek(w->queue, 1, ball, FORESEEN);
@@ -107,9 +119,14 @@ static inline void foresee(struct em_world *w) {
   for (uint32_t k = 0; k < n; k++) {
     const struct em_plan *plan = &w->plan[ball[k]];
     const bool leaves = plan->leave <= plan->first.time;
-    if (!leaves && plan->first.partner < EM_SURFACE) fetch_place(w, plan->first.partner, false);
+    if (!leaves && plan->first.partner < EM_SURFACE && is_fresh(w, ball[k])) {
+      partner[pairs++] = plan->first.partner;
+      fetch_place(w, plan->first.partner, false);
+    }
     fetch_candidates(w, ball[k], leaves);
   }
+  for (uint32_t k = 0; k < pairs; k++)
+    fetch_candidates(w, partner[k], false);
 }
 
 /* --- periodic images -------------------------------------------------------------------------- */
@@ -134,7 +151,7 @@ static inline double absolute(const struct em_world *w, double t) {
 
 static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32_t streak) {
   struct em_plan *plan = &w->plan[i];
-  plan->counter++;
+  w->counter[i]++;
   plan->last = partner;
   plan->streak = streak;
 }
@@ -191,14 +208,7 @@ static inline double turning_gap(struct em_turning *b, struct em_vec r, double r
 static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
   if (w->plan[i].leave <= t) return false;
   const struct em_prediction *p = local_first(w, i);
-  return p->partner >= EM_SURFACE || w->plan[p->partner].counter == p->counter;
-}
-
-/* Does its earliest prediction hold, where it is the only one kept? */
-static inline bool is_fresh(const struct em_world *w, uint32_t i) {
-  const struct em_prediction *p = &w->plan[i].first;
-  const uint32_t known = p->partner < EM_SURFACE ? p->partner : i;
-  return (p->partner >= EM_SURFACE) | (w->plan[known].counter == p->counter);
+  return p->partner >= EM_SURFACE || w->counter[p->partner] == p->counter;
 }
 
 /* Is the event of ball i that of its meeting with ball j? */

@@ -127,14 +127,14 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
                              : w->body[i].t >= now ? FN(first_of_many)(w, i, id, n, now, true)
                                                    : FN(first_of_many)(w, i, id, n, now, false);
     if (!anew && p.time == INFINITY) return true;
-    p.counter = w->plan[p.partner < w->count ? p.partner : i].counter;
+    p.counter = w->counter[p.partner < w->count ? p.partner : i];
     if (!anew) return local_add(w, i, &p);
     w->plan[i].first = p;
     return true;
   }
   if (anew) w->local_kind->clear(w->local, i);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->plan[id[k]].counter};
+    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->counter[id[k]]};
     if (p.time < INFINITY && !local_add(w, i, &p)) return false;
   }
   return true;
@@ -565,10 +565,6 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (status) return status;
     w->clock = at;
     --*left;
-    if (foresight) {
-      fetch_candidates(w, i, false);
-      if (pair) fetch_candidates(w, partner, false);
-    }
     FN(moved)(w, i);
     if (pair) FN(moved)(w, partner);
     if (!FN(predict)(w, i, at) || (pair && !FN(predict)(w, partner, at))) return no_memory(err);

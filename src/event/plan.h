@@ -17,7 +17,6 @@ struct em_plan {
   double leave;               /* s: until when its candidates are complete: see partition.h */
   double due;                 /* s, of its next event, and */
   uint32_t place, later;      /* where it stands among the events: see calendar.h */
-  uint32_t counter;           /* real events so far; wraps, compared for equality only */
   uint32_t last;              /* partner of the last real event: ball, surface or EM_NOBODY */
   uint32_t streak;            /* contacts in a row, each within world.within of the one before */
   uint16_t cell[3], exit;     /* where it is: see blocks.h */

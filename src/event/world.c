@@ -102,10 +102,11 @@ static void set_times(struct em_world *w) {
 static bool take_arrays(struct em_world *w, bool spin, bool mixed) {
   w->body = em_body_array(w->count, sizeof *w->body);
   w->plan = em_body_array(w->count, sizeof *w->plan);
+  w->counter = em_body_array(w->count, sizeof *w->counter);
   w->tied = em_body_array(w->count, sizeof *w->tied);
   if (spin) w->spin = em_body_array(w->count, sizeof *w->spin);
   if (mixed) w->mass = em_body_array(w->count, sizeof *w->mass);
-  return w->body && w->plan && w->tied && (w->spin || !spin) && (w->mass || !mixed);
+  return w->body && w->plan && w->counter && w->tied && (w->spin || !spin) && (w->mass || !mixed);
 }
 
 static void set_balls(struct em_world *w, const struct em_balls *balls) {
@@ -213,6 +214,7 @@ void em_world_free(struct em_world *w) {
   if (w->places) w->partition_kind->free(w->places);
   free(w->body);
   free(w->plan);
+  free(w->counter);
   free(w->tied);
   free(w->spin);
   free(w->mass);
@@ -350,7 +352,7 @@ const char *em_world_variant(const struct em_world *w) {
 }
 
 double em_world_bytes_per_ball(const struct em_world *w) {
-  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->tied;
+  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->counter + sizeof *w->tied;
   if (w->spin) each += sizeof *w->spin;
   if (w->mass) each += sizeof *w->mass;
   const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local) +
