@@ -160,12 +160,12 @@ static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
-/* Appends the balls in up to 12 slots but ball `self`; writes EM_BLOCKS_BEYOND places. No further
- * slot is read: in large systems it would be waited for. */
+/* Appends the balls in up to 12 slots but ball `self`; writes EM_BLOCKS_BEYOND places. */
 static inline uint32_t *em_blocks_append(const uint32_t *slot, uint32_t width, uint32_t self,
                                          uint32_t *end) {
 #if defined(__AVX512F__)
   const __mmask16 lanes = (__mmask16)((1u << width) - 1u);
+  /* Twelve and no more: in large systems further slots would be waited for. */
   const __m256i most = _mm256_loadu_si256((const __m256i *)slot);
   const __m128i rest = _mm_loadu_si128((const __m128i *)(slot + 8));
   const __m512i all =

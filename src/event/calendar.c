@@ -174,7 +174,6 @@ bool em_calendar_advance(struct em_queue *q) {
 
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most) {
   const uint32_t bin = q->slot + ahead;
-  __builtin_prefetch(&q->bin[bin + 2 < q->bins ? bin + 2 : bin]);
   const bool due = ahead == 0;
   if (!due && bin >= q->bins) return 0;
   const uint32_t all = due ? q->due_count : q->entries[bin], n = all < most ? all : most;

@@ -36,7 +36,7 @@ struct em_calendar_bin {
 struct em_queue {
   double origin, scale;        /* a time is in bin floor((time - origin) * scale) */
   double due_end;              /* what lies in bins below this one is due: current + 1 */
-  double ring_end;             /* bins from this one on are in the overflow: current + bins */
+  double ring_end;             /* what lies in bins from this one on is later: current + bins */
   struct em_plan *plan;        /* of each ball: due; place, among the due; later: it stands there */
   struct em_calendar_bin *bin; /* the ring, and behind it those that were put aside */
   uint8_t *entries;            /* of each bin */
@@ -68,6 +68,11 @@ bool em_calendar_make_room(struct em_queue *q, uint32_t bin);
  * as it lies in this turn; some may not be there any more, unless it is the current one. Returns
  * how many. */
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
+
+/* Asks memory for that bin. */
+static inline void em_calendar_fetch(const struct em_queue *q, uint32_t ahead) {
+  __builtin_prefetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
+}
 
 static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t ball, double time) {
   q->due[place] = ball;

@@ -55,11 +55,15 @@ static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
   return w->cells ? em_blocks_surfaces(w, i) : w->partition_kind->surfaces(w, i);
 }
 
-/* Does its earliest prediction hold, where it is the only one kept? */
-static inline bool is_fresh(const struct em_world *w, uint32_t i) {
-  const struct em_prediction *p = &w->plan[i].first;
-  const uint32_t known = p->partner < EM_SURFACE ? p->partner : i;
-  return (p->partner >= EM_SURFACE) | (w->counter[known] == p->counter);
+/* Does a prediction of ball i hold, or has its partner had a contact since? */
+static inline bool holds(const struct em_world *w, uint32_t i, const struct em_prediction *p) {
+  const bool ball = p->partner < EM_SURFACE;
+  return !ball | (w->counter[ball ? p->partner : i] == p->counter);
+}
+
+/* Does ball i leave its place before it meets anything, where only the earliest is kept? */
+static inline bool leaves_first(const struct em_world *w, uint32_t i) {
+  return w->plan[i].leave <= w->plan[i].first.time;
 }
 
 /* --- foresight -------------------------------------------------------------------------------- */
@@ -83,9 +87,9 @@ static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves)
   uint32_t count;
   const uint32_t *id = w->partition_kind->candidates(w, i, &count);
   for (uint32_t h = 0; h < count; h++) {
-    if (leaves)
+    if (leaves) {
       w->partition_kind->fetch(w, id[h], false, false);
-    else {
+    } else {
       __builtin_prefetch(&w->body[id[h]]);
       __builtin_prefetch(&w->counter[id[h]]);
     }
@@ -104,6 +108,7 @@ static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves
  * ahead; and the candidates of both when the bin begins. */
 static inline void foresee(struct em_world *w) {
   uint32_t ball[FORESEEN], partner[FORESEEN], pairs = 0;
+  em_calendar_fetch(w->queue, 4);
   uint32_t n = em_calendar_peek(w->queue, 2, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++)
     fetch_ball(w, ball[k]);
@@ -111,17 +116,17 @@ static inline void foresee(struct em_world *w) {
   for (uint32_t k = 0; k < n; k++) {
     const struct em_plan *plan = &w->plan[ball[k]];
     if (!(em_calendar_bin(w->queue, plan->due) < w->queue->due_end + 1.0)) continue;
-    const bool leaves = plan->leave <= plan->first.time;
+    const bool leaves = leaves_first(w, ball[k]);
     if (!leaves && plan->first.partner < EM_SURFACE) fetch_ball(w, plan->first.partner);
     fetch_place(w, ball[k], leaves);
   }
   n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_plan *plan = &w->plan[ball[k]];
-    const bool leaves = plan->leave <= plan->first.time;
-    if (!leaves && plan->first.partner < EM_SURFACE && is_fresh(w, ball[k])) {
-      partner[pairs++] = plan->first.partner;
-      fetch_place(w, plan->first.partner, false);
+    const struct em_prediction *p = &w->plan[ball[k]].first;
+    const bool leaves = leaves_first(w, ball[k]);
+    if (!leaves && p->partner < EM_SURFACE && holds(w, ball[k], p)) {
+      partner[pairs++] = p->partner;
+      fetch_place(w, p->partner, false);
     }
     fetch_candidates(w, ball[k], leaves);
   }
@@ -207,8 +212,7 @@ static inline double turning_gap(struct em_turning *b, struct em_vec r, double r
 /* Is the event of ball i at t a contact that holds? Else it leaves its place, or is stale. */
 static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
   if (w->plan[i].leave <= t) return false;
-  const struct em_prediction *p = local_first(w, i);
-  return p->partner >= EM_SURFACE || w->counter[p->partner] == p->counter;
+  return holds(w, i, local_first(w, i));
 }
 
 /* Is the event of ball i that of its meeting with ball j? */

@@ -518,10 +518,10 @@ static bool FN(tidy)(struct em_world *w, double now) {
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
-    const bool leaves = w->plan[i].leave <= w->plan[i].first.time;
+    const bool leaves = leaves_first(w, i);
     ball[leaving] = stale[rest] = i;
     leaving += leaves;
-    rest += !leaves & !is_fresh(w, i);
+    rest += !leaves & !holds(w, i, &w->plan[i].first);
   }
   for (uint32_t k = 0; k < leaving; k++) {
     const struct em_body *b = &w->body[ball[k]];

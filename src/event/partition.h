@@ -17,7 +17,7 @@ struct em_partition_kind {
   enum em_status (*make)(struct em_world *world, struct em_places **places, struct em_error *err);
   void (*free)(struct em_places *places);
   /* All candidates of ball i (i itself is not among them); valid until the next call. Behind them,
-   * up to a multiple of four, stand any balls; the same holds for cross. */
+   * up to a multiple of eight, stand any balls; the same holds for cross. */
   const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
   /* Ball i moves along a new path since body[i].t: sets world.plan[i].leave. */
   void (*moved)(struct em_world *world, uint32_t i);

@@ -110,6 +110,7 @@ static void set_cells(struct em_world *w, struct em_places *p) {
     p->period[a] = axis->n > 1 ? period[a] : 0.0;
     p->per_period[a] = p->period[a] > 0.0 ? 1.0 / period[a] : 0.0;
   }
+  if (w->early == INFINITY) w->early = 0.0;
 }
 
 /* Closed ends have an empty cell beyond them, periodic ones go on at the other end. */
@@ -213,7 +214,6 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
-  if (!(w->early < INFINITY)) w->early = 0.0;
   if (p->near) set_near(w, p);
   *places = p;
   return EM_OK;
