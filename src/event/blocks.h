@@ -19,21 +19,22 @@
 
 enum {
   EM_BLOCKS_ROOM = 4,    /* least slots of a cell, doubled when one is full */
-  EM_BLOCKS_BEYOND = 16, /* slots that may be read behind a row, places written behind candidates */
-  EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
+  EM_BLOCKS_BEYOND = 16, /* places written behind candidates */
+  EM_BLOCKS_MANY = 32,
+  EM_BLOCKS_STAYS = 6 /* the leave time is not that of an exit */
 };
 
 /* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. Along x, where
  * rows are, they have slots of their own, which hold the same balls. */
 struct em_blocks_axis {
   int n;
-  double low, edge, period; /* m, m, m; 0 where not periodic */
-  uint32_t *line;           /* what cell k adds to the number of a cell */
+  double low, edge, period; /* m, m, m; 0 where not periodic, and where there is one cell */
+  ptrdiff_t *line;          /* what cell k adds to the number of a cell's first slot */
   double *border;           /* lower border of cell k; far away at closed ends */
 };
 
 struct em_places {
-  v4d period, per_period; /* m, 1/m; 0 where not periodic, and along an axis of one cell */
+  v4d period, per_period; /* m, 1/m: those of the axes */
   v4d pull;               /* m/s², what gravity is along each axis */
   v4l turned;             /* where it pulls upwards */
   uint32_t count;
@@ -41,22 +42,29 @@ struct em_places {
    * the axis, and one more for the upper side. */
   struct em_plan *plan;
   struct em_blocks_axis axis[3];
-  int from[3], to[3]; /* cells beside a ball's: 0 … 2, or just 1 where there is one cell */
   size_t cells;
-  uint32_t room; /* slots of a cell */
+  uint32_t room, room_bits; /* slots of a cell: 1 << room_bits */
   uint32_t *slot;
   uint32_t *near; /* surfaces near each cell; NULL where there are none */
   double slack;   /* m */
   double room_m;  /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
   struct em_vec *centre;
-  uint32_t *found; /* scratch: candidates */
+  uint32_t
+      *found; /* scratch: candidates, with room for those of EM_BLOCKS_MANY balls that move on */
+  uint32_t *finder; /* and whose they are */
 };
 
 /* Doubles the room of every cell; false: no memory. */
 bool em_partition_cells_widen(struct em_places *places);
 
-static inline size_t em_blocks_number(const struct em_places *p, const uint16_t at[3]) {
-  return (size_t)p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
+/* The first slot of a cell. */
+static inline uint32_t *em_blocks_slot(const struct em_places *p, const uint16_t at[3]) {
+  return p->slot + p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
+}
+
+/* The number of the cell whose first slot this is. */
+static inline size_t em_blocks_number(const struct em_places *p, const uint32_t *slot) {
+  return (size_t)(slot - p->slot) >> p->room_bits;
 }
 
 /* --- leaving ---------------------------------------------------------------------------------- */
@@ -126,20 +134,21 @@ static inline void em_blocks_moved(struct em_world *w, uint32_t i, bool falls, b
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Puts a number in slot k of a cell, and of its image beyond an end of the row. */
+/* Puts a number in slot k of a cell, and of its image beyond an end of the row: which cells have
+ * one cannot be foretold, so that the others write twice. */
 static inline void em_blocks_put(struct em_places *p, const uint16_t at[3], uint32_t k,
                                  uint32_t number) {
   const struct em_blocks_axis *x = &p->axis[0];
-  uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room + k;
-  *slot = number;
-  if (x->period > 0.0 && at[0] == 1) slot[(size_t)x->n * p->room] = number;
-  if (x->period > 0.0 && at[0] == x->n) *(slot - (size_t)x->n * p->room) = number;
+  const int turn = x->period > 0.0 ? (at[0] == 1) - (at[0] == x->n) : 0;
+  uint32_t *slot = em_blocks_slot(p, at) + k;
+  slot[0] = number;
+  slot[(ptrdiff_t)turn * x->n * (ptrdiff_t)p->room] = number;
 }
 
 /* In which slot of a cell a number stands; `room`: in none. */
 static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16_t at[3],
                                          uint32_t number) {
-  const uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room;
+  const uint32_t *slot = em_blocks_slot(p, at);
   for (uint32_t k = 0; k < p->room; k += EM_BLOCKS_ROOM) {
     const unsigned here = v4i_bits(*(const v4i *)(slot + k) == (int)number);
     if (here) return k + (uint32_t)__builtin_ctz(here);
@@ -160,67 +169,138 @@ static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
-/* Appends the balls in up to 12 slots but ball `self`; writes EM_BLOCKS_BEYOND places. */
-static inline uint32_t *em_blocks_append(const uint32_t *slot, uint32_t width, uint32_t self,
-                                         uint32_t *end) {
+/* Twelve slots: four each at three places, and twelve at one. What follows appends the balls in
+ * them but ball `self`, and writes EM_BLOCKS_BEYOND places. */
 #if defined(__AVX512F__)
-  const __mmask16 lanes = (__mmask16)((1u << width) - 1u);
-  /* Twelve and no more: in large systems further slots would be waited for. */
+
+typedef __m512i em_blocks_twelve;
+
+static inline em_blocks_twelve em_blocks_three(const uint32_t *s0, const uint32_t *s1,
+                                               const uint32_t *s2) {
+  const __m128i a = _mm_loadu_si128((const __m128i *)s0);
+  const __m128i b = _mm_loadu_si128((const __m128i *)s1);
+  const __m128i c = _mm_loadu_si128((const __m128i *)s2);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_set_m128i(b, a)),
+                            _mm256_zextsi128_si256(c), 1);
+}
+
+/* Twelve and no more: in large systems further slots would be waited for. */
+static inline em_blocks_twelve em_blocks_row(const uint32_t *slot) {
   const __m256i most = _mm256_loadu_si256((const __m256i *)slot);
-  const __m128i rest = _mm_loadu_si128((const __m128i *)(slot + 8));
-  const __m512i all =
-      _mm512_inserti64x4(_mm512_castsi256_si512(most), _mm256_zextsi128_si256(rest), 1);
-  const __mmask16 some = _mm512_mask_cmpneq_epi32_mask(lanes, all, _mm512_set1_epi32(-1));
+  const __m256i rest = _mm256_zextsi128_si256(_mm_loadu_si128((const __m128i *)(slot + 8)));
+  return _mm512_inserti64x4(_mm512_castsi256_si512(most), rest, 1);
+}
+
+static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t self, uint32_t *end) {
+  const __mmask16 some = _mm512_mask_cmpneq_epi32_mask(0x0FFF, all, _mm512_set1_epi32(-1));
   const __mmask16 in = _mm512_mask_cmpneq_epi32_mask(some, all, _mm512_set1_epi32((int)self));
   _mm512_storeu_si512(end, _mm512_maskz_compress_epi32(in, all));
   return end + __builtin_popcount(in);
-#elif defined(__AVX2__)
+}
+
+#else
+
+typedef struct {
+  const uint32_t *part[3];
+} em_blocks_twelve;
+
+static inline em_blocks_twelve em_blocks_three(const uint32_t *s0, const uint32_t *s1,
+                                               const uint32_t *s2) {
+  return (em_blocks_twelve){{s0, s1, s2}};
+}
+
+static inline em_blocks_twelve em_blocks_row(const uint32_t *slot) {
+  return (em_blocks_twelve){{slot, slot + 4, slot + 8}};
+}
+
+static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t self, uint32_t *end) {
+#ifdef __AVX2__
   const __m256i me = _mm256_set1_epi32((int)self), none = _mm256_set1_epi32(-1);
-  const unsigned lanes = (1u << width) - 1u;
-  for (uint32_t k = 0; k < width; k += 8) {
-    const __m256i all = _mm256_loadu_si256((const __m256i *)(slot + k));
-    const __m256i out = _mm256_or_si256(_mm256_cmpeq_epi32(all, me), _mm256_cmpeq_epi32(all, none));
-    const unsigned in = ~(unsigned)_mm256_movemask_ps((__m256)out) & lanes >> k & 255u;
-    _mm256_storeu_si256((__m256i *)end, pack(all, in));
+  __m128i p[4] = {[3] = _mm_set1_epi32(-1)};
+  for (int k = 0; k < 3; k++)
+    p[k] = _mm_loadu_si128((const __m128i *)all.part[k]);
+  for (int k = 0; k < 4; k += 2) {
+    const __m256i eight = _mm256_set_m128i(p[k + 1], p[k]);
+    const __m256i out =
+        _mm256_or_si256(_mm256_cmpeq_epi32(eight, me), _mm256_cmpeq_epi32(eight, none));
+    const unsigned in = ~(unsigned)_mm256_movemask_ps((__m256)out) & 255u;
+    _mm256_storeu_si256((__m256i *)end, pack(eight, in));
     end += __builtin_popcount(in);
   }
-  return end;
 #else
-  for (uint32_t k = 0; k < width; k++) {
-    *end = slot[k];
-    end += slot[k] != EM_BLOCKS_EMPTY && slot[k] != self;
+  for (uint32_t k = 0; k < 12; k++) {
+    *end = all.part[k / 4][k % 4];
+    end += *end != EM_BLOCKS_EMPTY && *end != self;
   }
-  return end;
 #endif
+  return end;
 }
 
-/* The rows of the cells from[a] … to[a] beside that of ball i (0: one lower, 1: its own, 2: one
- * higher); returns how many. */
-static inline uint32_t em_blocks_rows(const struct em_places *p, uint32_t i, const int from[3],
-                                      const int to[3], const uint32_t *row[9]) {
+#endif
+
+/* How far it is, in slots, from a cell to the one below, to itself, and to the one above along an
+ * axis. */
+static inline void em_blocks_pitch(const struct em_places *p, int axis, const uint16_t at[3],
+                                   ptrdiff_t pitch[3]) {
+  const ptrdiff_t *line = p->axis[axis].line + at[axis];
+  for (int k = 0; k < 3; k++)
+    pitch[k] = line[k - 1] - line[0];
+}
+
+/* Appends the balls of the 27 cells around and of that of ball i, but i itself, and behind their
+ * end, which it returns, any balls. Rows along x lie side by side. */
+static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, uint32_t *end) {
   const uint16_t *at = p->plan[i].cell;
-  const ptrdiff_t x = (ptrdiff_t)p->axis[0].line[at[0]] + from[0] - 1;
-  const uint32_t *y = p->axis[1].line + at[1] - 1, *z = p->axis[2].line + at[2] - 1;
-  uint32_t n = 0;
-  for (int c = from[2]; c <= to[2]; c++)
-    for (int b = from[1]; b <= to[1]; b++)
-      row[n++] = p->slot + ((ptrdiff_t)z[c] + y[b] + x) * p->room;
-  return n;
+  const uint32_t *slot = em_blocks_slot(p, at) - p->room;
+  ptrdiff_t y[3], z[3];
+  em_blocks_pitch(p, 1, at, y);
+  em_blocks_pitch(p, 2, at, z);
+  for (int k = 0; k < 3; k++)
+    for (int h = 0; h < 3; h++)
+      for (uint32_t s = 0; s < 3 * p->room; s += 12)
+        end = em_blocks_append(em_blocks_row(slot + z[k] + y[h] + s), i, end);
+  memset(end, 0, 8 * sizeof *end);
+  return end;
 }
 
-/* The balls in these cells but ball i go to p->found, and any balls behind them; returns how many.
- */
-static inline uint32_t em_blocks_collect(const struct em_places *p, uint32_t i, const int from[3],
-                                         const int to[3]) {
-  const uint32_t *row[9];
-  const uint32_t n = em_blocks_rows(p, i, from, to, row);
-  const uint32_t width = (uint32_t)(to[0] - from[0] + 1) * p->room;
-  uint32_t *end = p->found;
-  for (uint32_t h = 0; h < n; h++)
-    for (uint32_t k = 0; k < width; k += 12)
-      end = em_blocks_append(row[h] + k, width - k < 12 ? width - k : 12, i, end);
+/* The cell that ball i enters when it leaves its own. */
+static inline void em_blocks_next(const struct em_places *p, uint32_t i, uint16_t next[3]) {
+  const struct em_plan *here = &p->plan[i];
+  const unsigned a = here->exit / 2;
+  const int n = p->axis[a].n, to = here->cell[a] + (here->exit & 1 ? 1 : -1);
+  memcpy(next, here->cell, sizeof here->cell);
+  next[a] = (uint16_t)(to == 0 ? n : to > n ? 1 : to);
+}
+
+/* Nine cells side by side along two axes; the one at `slot` is in their midst. */
+struct em_blocks_slab {
+  const uint32_t *slot;
+  ptrdiff_t u[3], v[3];
+};
+
+/* Those that are new to a ball that has entered the cell `at` by the side `exit`. */
+static inline struct em_blocks_slab em_blocks_beyond(const struct em_places *p,
+                                                     const uint16_t at[3], unsigned exit) {
+  const int a = (int)exit / 2;
+  struct em_blocks_slab s;
+  em_blocks_pitch(p, a, at, s.u);
+  s.slot = em_blocks_slot(p, at) + s.u[exit & 1 ? 2 : 0];
+  em_blocks_pitch(p, a == 0, at, s.u);
+  em_blocks_pitch(p, 2 - (a == 2), at, s.v);
+  return s;
+}
+
+/* Appends their balls, and any balls behind them. */
+static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct em_blocks_slab *s,
+                                       uint32_t *end) {
+  for (int k = 0; k < 3; k++) {
+    const uint32_t *here = s->slot + s->v[k];
+    for (uint32_t h = 0; h < p->room; h += EM_BLOCKS_ROOM)
+      end = em_blocks_append(em_blocks_three(here + s->u[0] + h, here + h, here + s->u[2] + h),
+                             EM_BLOCKS_EMPTY, end);
+  }
   memset(end, 0, 8 * sizeof *end);
-  return (uint32_t)(end - p->found);
+  return end;
 }
 
 /* --- see partition.h -------------------------------------------------------------------------- */
@@ -228,85 +308,96 @@ static inline uint32_t em_blocks_collect(const struct em_places *p, uint32_t i, 
 static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t i,
                                                    uint32_t *count) {
   const struct em_places *p = w->places;
-  *count = em_blocks_collect(p, i, p->from, p->to);
+  *count = (uint32_t)(em_blocks_around(p, i, p->found) - p->found);
   return p->found;
 }
 
-static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, double now,
-                                              uint32_t *count, bool falls, bool periodic) {
+/* Ball i reaches the end of its cell at the time `now`, or will: puts it into the next. False: no
+ * memory. */
+static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bool falls,
+                                  bool periodic) {
   struct em_places *p = w->places;
   struct em_plan *here = &p->plan[i];
-  const unsigned exit = here->exit, a = exit / 2;
-  *count = 1;
-  if (exit != EM_BLOCKS_STAYS) {
+  if (here->exit != EM_BLOCKS_STAYS) {
+    uint16_t next[3];
+    em_blocks_next(p, i, next);
     em_blocks_quit(p, i);
-    const int n = p->axis[a].n, next = here->cell[a] + (exit & 1 ? 1 : -1);
-    here->cell[a] = (uint16_t)(next == 0 ? n : next > n ? 1 : next);
-    if (!em_blocks_enter(p, i)) return NULL;
+    memcpy(here->cell, next, sizeof next);
+    if (!em_blocks_enter(p, i)) return false;
   }
   const struct em_vec x = em_body_at(w, i, now);
   if (p->centre) p->centre[i] = x;
   em_blocks_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);
-  if (p->centre) return em_blocks_candidates(w, i, count);
-  *count = 0;
-  if (exit == EM_BLOCKS_STAYS) return p->found;
-  int from[3] = {p->from[0], p->from[1], p->from[2]}, to[3] = {p->to[0], p->to[1], p->to[2]};
-  from[a] = to[a] = exit & 1 ? 2 : 0; /* only these cells are new */
-  *count = em_blocks_collect(p, i, from, to);
-  return p->found;
+  return true;
 }
 
-/* The cells beside those that ball i enters when it leaves its own; false: none, or beyond an end
- * of the grid, which is rare. */
-static inline bool em_blocks_ahead(const struct em_places *p, uint32_t i, int from[3], int to[3]) {
-  const struct em_plan *here = &p->plan[i];
-  const unsigned a = here->exit / 2;
-  if (here->exit == EM_BLOCKS_STAYS) return false;
-  const int next = here->cell[a] + (here->exit & 1 ? 2 : -2);
-  memcpy(from, p->from, sizeof p->from);
-  memcpy(to, p->to, sizeof p->to);
-  from[a] = to[a] = here->exit & 1 ? 3 : -1;
-  return next >= 1 && next <= p->axis[a].n;
+/* Appends the balls that are new to ball i, now that it has left its cell by the side `exit`, and
+ * behind their end, which it returns, any balls. */
+static inline uint32_t *em_blocks_new(const struct em_places *p, uint32_t i, unsigned exit,
+                                      uint32_t *end) {
+  if (p->centre) return em_blocks_around(p, i, end);
+  if (exit == EM_BLOCKS_STAYS) return end;
+  const struct em_blocks_slab s = em_blocks_beyond(p, p->plan[i].cell, exit);
+  return em_blocks_nine(p, &s, end);
+}
+
+static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, double now,
+                                              uint32_t *count, bool falls, bool periodic) {
+  const struct em_places *p = w->places;
+  const unsigned exit = p->plan[i].exit;
+  *count = 1;
+  if (!em_blocks_step(w, i, now, falls, periodic)) return NULL;
+  *count = (uint32_t)(em_blocks_new(p, i, exit, p->found) - p->found);
+  return p->found;
 }
 
 /* Asks memory for the slots that will be looked through. */
 static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool leaves) {
   const struct em_places *p = w->places;
-  int from[3], to[3];
-  if (!leaves || !em_blocks_ahead(p, i, from, to)) {
-    memcpy(from, p->from, sizeof from);
-    memcpy(to, p->to, sizeof to);
-  } else { /* out of one cell, into the other */
-    const struct em_plan *here = &p->plan[i];
+  const struct em_plan *here = &p->plan[i];
+  const uint32_t *slot = em_blocks_slot(p, here->cell);
+  if (leaves && here->exit != EM_BLOCKS_STAYS) { /* out of one cell, into the other */
     uint16_t next[3];
-    memcpy(next, here->cell, sizeof next);
-    next[here->exit / 2] = (uint16_t)(next[here->exit / 2] + (here->exit & 1 ? 1 : -1));
-    __builtin_prefetch(p->slot + em_blocks_number(p, here->cell) * p->room);
-    __builtin_prefetch(p->slot + em_blocks_number(p, next) * p->room);
+    em_blocks_next(p, i, next);
+    __builtin_prefetch(slot);
+    __builtin_prefetch(em_blocks_slot(p, next));
+    const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
+    for (int k = 0; k < 9; k++)
+      __builtin_prefetch(s.slot + s.u[k % 3] + s.v[k / 3]);
+    return;
   }
-  const uint32_t *row[9];
-  const uint32_t n = em_blocks_rows(p, i, from, to, row);
-  for (uint32_t k = 0; k < n; k++) {
-    __builtin_prefetch(row[k]);
-    __builtin_prefetch(row[k] + 3 * p->room - 1);
+  ptrdiff_t y[3], z[3];
+  em_blocks_pitch(p, 1, here->cell, y);
+  em_blocks_pitch(p, 2, here->cell, z);
+  for (int k = 0; k < 9; k++) {
+    const uint32_t *row = slot + y[k % 3] + z[k / 3];
+    __builtin_prefetch(row - p->room);
+    __builtin_prefetch(row + 2 * p->room - 1);
   }
 }
 
 /* Asks memory for the balls that will be tested. */
 static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool leaves) {
   const struct em_places *p = w->places;
-  int from[3], to[3];
-  const bool ahead = leaves && em_blocks_ahead(p, i, from, to);
-  const uint32_t n = em_blocks_collect(p, i, ahead ? from : p->from, ahead ? to : p->to);
-  for (uint32_t k = 0; k < n; k++) {
-    __builtin_prefetch(&w->body[p->found[k]]);
-    __builtin_prefetch(&w->counter[p->found[k]]);
+  const struct em_plan *here = &p->plan[i];
+  const uint32_t *end;
+  if (leaves && here->exit != EM_BLOCKS_STAYS) {
+    uint16_t next[3];
+    em_blocks_next(p, i, next);
+    const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
+    end = em_blocks_nine(p, &s, p->found);
+  } else {
+    end = em_blocks_around(p, i, p->found);
+  }
+  for (const uint32_t *id = p->found; id < end; id++) {
+    __builtin_prefetch(&w->body[*id]);
+    __builtin_prefetch(&w->counter[*id]);
   }
 }
 
 static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {
   const struct em_places *p = w->places;
-  return p->near ? p->near[em_blocks_number(p, p->plan[i].cell)] : 0;
+  return p->near ? p->near[em_blocks_number(p, em_blocks_slot(p, p->plan[i].cell))] : 0;
 }
 
 #endif

@@ -80,6 +80,7 @@ struct em_world {
   const struct em_partition_kind *partition_kind;
   struct em_places *places; /* what the partition keeps */
   bool cells;               /* that these are cells */
+  bool mixes;               /* that many balls can move on from theirs at once */
   double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;
 

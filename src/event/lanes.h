@@ -40,6 +40,10 @@ static inline vm vm_below(uint32_t n) {
   return n < 8 ? (vm)((1u << n) - 1u) : (vm)255;
 }
 
+static inline unsigned vm_bits(vm in) {
+  return in;
+}
+
 static inline vd vd_choose(vm in, vd yes, vd no) {
   return _mm512_mask_blend_pd(in, no, yes);
 }
@@ -124,6 +128,10 @@ static inline vm vl_below(vl a, vl b) {
 
 static inline vm vm_below(uint32_t n) {
   return (vl){0, 1, 2, 3} < (int64_t)n;
+}
+
+static inline unsigned vm_bits(vm in) {
+  return v4l_bits(in);
 }
 
 static inline vd vd_choose(vm in, vd yes, vd no) {

@@ -68,7 +68,7 @@ static inline bool leaves_first(const struct em_world *w, uint32_t i) {
 
 /* --- foresight -------------------------------------------------------------------------------- */
 
-enum { FORESEEN = 32 }; /* balls of a bin */
+enum { FORESEEN = EM_BLOCKS_MANY }; /* balls of a bin */
 
 /* Asks memory for all that stands at the number of a ball. */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {

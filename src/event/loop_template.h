@@ -61,52 +61,75 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
   return best;
 }
 
-/* The same LANES at a time, to the same bits, without branches: what is hit cannot be foretold, and
- * a wrong guess costs more than a root. `fresh`: the last event of all was ball i's, so that
- * the other balls alone have to be moved on. */
+/* LANES pairs of balls, as far as a root is needed. */
+struct FN(pairs) {
+  vd tr;     /* s: when both move along their last paths */
+  vd p, c;   /* m²/s, m²: half the rate of the squared distance, and its excess */
+  vd disc;   /* m⁴/s² */
+  vm inside; /* they overlap */
+  vm hit;    /* they meet */
+};
+
+/* The same LANES at a time, to the same bits: balls a and b, as struct em_body. `fresh`: the last
+ * event of all was that of the balls a, so that the others alone have to be moved on. */
+static inline __attribute__((always_inline)) struct FN(pairs)
+    FN(pairs_of)(const struct em_world *w, const vd a[8], const vd b[8], double now, bool fresh) {
+  const vd zero = vd_all(0.0);
+  const vd tr = fresh ? a[6] : vd_choose(vd_below(a[6], b[6]), b[6], a[6]);
+  const vd da = tr - a[6], db = tr - b[6];
+  vd xa = a[0], ya = a[1], za = a[2], ua = a[3], va = a[4], wa = a[5];
+  if (!fresh) xa = xa + ua * da, ya = ya + va * da, za = za + wa * da;
+  vd xb = b[0] + b[3] * db, yb = b[1] + b[4] * db, zb = b[2] + b[5] * db;
+  vd ub = b[3], vb = b[4], wb = b[5];
+  if (WITH(GRAVITY)) {
+    const struct em_vec g = w->gravity;
+    const vd ha = 0.5 * da * da, hb = 0.5 * db * db;
+    if (!fresh) {
+      xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+      ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+    }
+    xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
+    ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
+  }
+  vd dx = xb - xa, dy = yb - ya, dz = zb - za;
+  const vd du = ub - ua, dv = vb - va, dw = wb - wa;
+  if (WITH(PERIODIC)) {
+    const vd ahead = now - tr;
+    dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
+    dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+    dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
+  }
+  const vd p = (dx * du + dy * dv) + dz * dw;
+  const vd sigma = b[7] + a[7];
+  const vd c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+  const vd disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+  const vm inside = vd_at_most(c, zero);
+  return (struct FN(pairs)){tr,   p,      c,
+                            disc, inside, vd_below(p, zero) & (inside | vd_at_most(zero, disc))};
+}
+
+/* When those that are hit touch. */
+static inline vd FN(times_of)(const struct FN(pairs) * q) {
+  const vd zero = vd_all(0.0);
+  const vd root = q->c / (vd_sqrt(vd_choose(vd_below(zero, q->disc), q->disc, zero)) - q->p);
+  return q->tr + vd_choose(q->inside, zero, root);
+}
+
+/* The earliest of n candidates of ball i, without branches: what is hit cannot be foretold, and a
+ * wrong guess costs more than a root. */
 static inline __attribute__((always_inline)) struct em_prediction
 FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
                   bool fresh) {
-  const struct em_body *a = &w->body[i];
-  const vd at = vd_all(a->t), zero = vd_all(0.0);
+  const struct em_body *own = &w->body[i];
+  const vd a[8] = {vd_all(own->x),  vd_all(own->y),  vd_all(own->z), vd_all(own->vx),
+                   vd_all(own->vy), vd_all(own->vz), vd_all(own->t), vd_all(own->radius)};
   vd best = vd_all(INFINITY);
   vl who = vl_all(EM_NOBODY);
   for (uint32_t k = 0; k < n; k += LANES) {
-    vd b[8]; /* as struct em_body */
+    vd b[8];
     vd_records(&w->body->x, id + k, b);
-    const vd t = b[6], tr = fresh ? at : vd_choose(vd_below(at, t), t, at);
-    const vd da = tr - at, db = tr - t;
-    vd xa = vd_all(a->x), ya = vd_all(a->y), za = vd_all(a->z);
-    if (!fresh) xa = xa + a->vx * da, ya = ya + a->vy * da, za = za + a->vz * da;
-    vd xb = b[0] + b[3] * db, yb = b[1] + b[4] * db, zb = b[2] + b[5] * db;
-    vd ua = vd_all(a->vx), va = vd_all(a->vy), wa = vd_all(a->vz);
-    vd ub = b[3], vb = b[4], wb = b[5];
-    if (WITH(GRAVITY)) {
-      const struct em_vec g = w->gravity;
-      const vd ha = 0.5 * da * da, hb = 0.5 * db * db;
-      if (!fresh) {
-        xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
-        ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
-      }
-      xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
-      ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
-    }
-    vd dx = xb - xa, dy = yb - ya, dz = zb - za;
-    const vd du = ub - ua, dv = vb - va, dw = wb - wa;
-    if (WITH(PERIODIC)) {
-      const vd ahead = now - tr;
-      dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
-      dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
-      dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
-    }
-    const vd p = (dx * du + dy * dv) + dz * dw;
-    const vd sigma = b[7] + a->radius;
-    const vd c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
-    const vd disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
-    const vm inside = vd_at_most(c, zero);
-    const vm hit = vd_below(p, zero) & (inside | vd_at_most(zero, disc)) & vm_below(n - k);
-    const vd root = c / (vd_sqrt(vd_choose(vd_below(zero, disc), disc, zero)) - p);
-    const vd time = vd_choose(hit, tr + vd_choose(inside, zero, root), vd_all(INFINITY));
+    const struct FN(pairs) q = FN(pairs_of)(w, a, b, now, fresh);
+    const vd time = vd_choose(q.hit & vm_below(n - k), FN(times_of)(&q), vd_all(INFINITY));
     const vl other = vl_of(id + k);
     const vm sooner = vd_below(time, best) | (vd_equal(time, best) & vl_below(other, who));
     best = vd_choose(sooner, time, best);
@@ -116,6 +139,29 @@ FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint
   const uint32_t partner = (uint32_t)vl_least_of(vd_equal(best, vd_all(first)), who);
   if (partner == w->plan[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
   return (struct em_prediction){first, partner, 0};
+}
+
+/* Predicts the contacts of n pairs of balls, beside what has been predicted of the first of each;
+ * few of them meet. */
+static void FN(predict_mixed)(struct em_world *w, const uint32_t *ball, const uint32_t *other,
+                              uint32_t n, double now) {
+  w->tally.candidates += n;
+  for (uint32_t k = 0; k < n; k += LANES) {
+    vd a[8], b[8];
+    vd_records(&w->body->x, ball + k, a);
+    vd_records(&w->body->x, other + k, b);
+    const struct FN(pairs) q = FN(pairs_of)(w, a, b, now, false);
+    unsigned hit = vm_bits(q.hit & vm_below(n - k));
+    if (!hit) continue;
+    const vd time = FN(times_of)(&q);
+    for (; hit; hit &= hit - 1) {
+      const unsigned h = (unsigned)__builtin_ctz(hit);
+      const uint32_t i = ball[k + h], j = other[k + h];
+      const bool met = w->plan[i].last == j;
+      const struct em_prediction p = {met ? FN(pair)(w, i, j, now) : time[h], j, w->counter[j]};
+      em_local_first_add(w->local, i, &p);
+    }
+  }
 }
 
 /* Predicts the contacts of ball i with n candidates: beside what has been predicted, or `anew`. */
@@ -509,12 +555,34 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
   return true;
 }
 
+/* Several balls move on at once from their cells; their candidates are tested together. */
+static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, double now) {
+  struct em_places *p = w->places;
+  uint32_t all = 0;
+  for (uint32_t k = 0; k < n; k++) {
+    const uint32_t i = ball[k];
+    const unsigned exit = p->plan[i].exit;
+    if (!em_blocks_step(w, i, p->plan[i].leave, WITH(GRAVITY), WITH(PERIODIC))) return false;
+    const uint32_t end = (uint32_t)(em_blocks_new(p, i, exit, p->found + all) - p->found);
+    for (; all < end; all += 8)
+      *(v8iu *)(p->finder + all) = (v8iu){0} + (int32_t)i;
+    all = end;
+  }
+  w->tally.transfers += n;
+  FN(predict_mixed)(w, p->finder, p->found, all, now);
+  for (uint32_t k = 0; k < n; k++) {
+    if (!FN(predict_surfaces)(w, ball[k])) return false;
+    FN(schedule)(w, ball[k]);
+  }
+  return true;
+}
+
 /* A bin of the calendar begins at `now`: of its balls, those that leave their places in it are
  * moved on at once, if they are near enough to the border, and predictions that are stale are made
  * anew. When that is done changes no contact, and the processor, which cannot foretell what the
  * next event is, goes through many of a kind without wrong guesses: a gain of 1.1. */
 static bool FN(tidy)(struct em_world *w, double now) {
-  uint32_t ball[FORESEEN], stale[FORESEEN], leaving = 0, rest = 0;
+  uint32_t ball[FORESEEN], stale[FORESEEN], leaving = 0, near = 0, rest = 0;
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
@@ -527,7 +595,14 @@ static bool FN(tidy)(struct em_world *w, double now) {
     const struct em_body *b = &w->body[ball[k]];
     const double leave = w->plan[ball[k]].leave, fallen = w->fall * (leave - b->t);
     const double speed = sqrt(b->vx * b->vx + b->vy * b->vy + b->vz * b->vz) + fallen;
-    if (speed * (leave - now) <= w->early && !FN(cross)(w, ball[k], leave)) return false;
+    ball[near] = ball[k];
+    near += speed * (leave - now) <= w->early;
+  }
+  if (w->mixes) {
+    if (!FN(cross_all)(w, ball, near, now)) return false;
+  } else {
+    for (uint32_t k = 0; k < near; k++)
+      if (!FN(cross)(w, ball[k], w->plan[ball[k]].leave)) return false;
   }
   for (uint32_t k = 0; k < rest; k++)
     if (!FN(renew)(w, stale[k], now)) return false;

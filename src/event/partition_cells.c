@@ -20,24 +20,41 @@ static void split(struct em_vec a, double part[3]) {
   part[2] = a.z;
 }
 
+/* Candidates for each slot of a cell: of EM_BLOCKS_MANY balls from 9 cells, or of one from 27. */
+static size_t found_room(size_t room) {
+  return 9 * EM_BLOCKS_MANY * room + EM_BLOCKS_BEYOND;
+}
+
 bool em_partition_cells_widen(struct em_places *p) {
   const size_t old = p->room, room = old ? 2 * old : EM_BLOCKS_ROOM, n = p->cells * room;
-  uint32_t *slot = em_body_array(n + EM_BLOCKS_BEYOND, sizeof *slot);
-  uint32_t *found = em_body_array(27 * room + EM_BLOCKS_BEYOND, sizeof *found);
-  if (!slot || !found) {
+  uint32_t *slot = em_body_array(n, sizeof *slot);
+  uint32_t *found = em_body_array(found_room(room), sizeof *found);
+  uint32_t *finder = em_body_array(found_room(room), sizeof *finder);
+  if (!slot || !found || !finder) {
     free(slot);
     free(found);
+    free(finder);
     return false;
   }
-  for (size_t k = 0; k < n + EM_BLOCKS_BEYOND; k++)
+  for (size_t k = 0; k < n; k++)
     slot[k] = EM_BLOCKS_EMPTY;
   for (size_t c = 0; old && c < p->cells; c++)
     memcpy(slot + c * room, p->slot + c * old, old * sizeof *slot);
+  if (old) {
+    memcpy(found, p->found, found_room(old) * sizeof *found);
+    memcpy(finder, p->finder, found_room(old) * sizeof *finder);
+  }
   free(p->slot);
   free(p->found);
+  free(p->finder);
   p->slot = slot;
   p->found = found;
+  p->finder = finder;
+  for (int a = 0; a < 3; a++)
+    for (int k = 0; k < p->axis[a].n + 2; k++)
+      p->axis[a].line[k] *= (ptrdiff_t)(old ? room / old : room);
   p->room = (uint32_t)room;
+  p->room_bits = (uint32_t)__builtin_ctz(p->room);
   return true;
 }
 
@@ -73,6 +90,7 @@ static void free_places(struct em_places *p) {
   free(p->near);
   free(p->centre);
   free(p->found);
+  free(p->finder);
   free(p);
 }
 
@@ -97,7 +115,6 @@ static void set_cells(struct em_world *w, struct em_places *p) {
   for (int a = 0; a < 3; a++) {
     struct em_blocks_axis *axis = &p->axis[a];
     axis->low = low[a];
-    axis->period = period[a];
     axis->n = extent[a] > edge ? (int)fmin(extent[a] / edge, UINT16_MAX - 2.0) : 1;
     if (period[a] > 0.0 && axis->n < TURN_LEAST) {
       axis->n = 1;
@@ -105,10 +122,9 @@ static void set_cells(struct em_world *w, struct em_places *p) {
     }
     axis->edge = extent[a] / axis->n;
     if (axis->n > 1) w->early = fmin(w->early, 0.49 * (axis->edge - 2.0 * w->largest));
-    p->from[a] = axis->n == 1 && period[a] > 0.0 ? 1 : 0; /* its own neighbour: it counts once */
-    p->to[a] = 2 - p->from[a];
-    p->period[a] = axis->n > 1 ? period[a] : 0.0;
-    p->per_period[a] = p->period[a] > 0.0 ? 1.0 / period[a] : 0.0;
+    axis->period = axis->n > 1 ? period[a] : 0.0;
+    p->period[a] = axis->period;
+    p->per_period[a] = axis->period > 0.0 ? 1.0 / period[a] : 0.0;
   }
   if (w->early == INFINITY) w->early = 0.0;
 }
@@ -121,7 +137,7 @@ static bool set_axis(struct em_blocks_axis *axis, bool row, uint32_t step, uint3
   axis->border = em_body_array(n + 3, sizeof *axis->border);
   if (!axis->line || !axis->border) return false;
   for (uint32_t k = 0; k < n + 2; k++)
-    axis->line[k] = step * (apart ? k : (k + n - 1) % n);
+    axis->line[k] = (ptrdiff_t)step * (apart ? k : (k + n - 1) % n);
   for (uint32_t k = 0; k < n + 3; k++)
     axis->border[k] = axis->low + ((double)k - 1.0) * axis->edge;
   if (!open || n == 1) {
@@ -169,7 +185,8 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         double c[3];
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
-        p->near[em_blocks_number(p, at)] = surfaces_near(w, c, half, 2.0 * p->slack + w->early);
+        p->near[em_blocks_number(p, em_blocks_slot(p, at))] =
+            surfaces_near(w, c, half, 2.0 * p->slack + w->early);
       }
 }
 
@@ -215,6 +232,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
   if (p->near) set_near(w, p);
+  w->mixes = w->vectors && !w->keeps_all && !p->centre;
   *places = p;
   return EM_OK;
 }
@@ -222,7 +240,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 static size_t bytes(const struct em_places *p) {
   const size_t each = p->centre ? sizeof *p->centre : 0;
   const size_t cell = p->room * sizeof *p->slot + (p->near ? sizeof *p->near : 0);
-  return sizeof *p + p->count * each + p->cells * cell + 27 * p->room * sizeof *p->found;
+  return sizeof *p + p->count * each + p->cells * cell + 2 * found_room(p->room) * sizeof *p->found;
 }
 
 /* Every ball is in its cell, and nothing else is anywhere but images beyond the ends of rows. */
@@ -237,7 +255,7 @@ static bool is_valid(const struct em_world *w) {
     const uint32_t k = em_blocks_slot_of(p, at, i);
     if (k == p->room) return false;
     sum++;
-    const uint32_t *slot = p->slot + em_blocks_number(p, at) * p->room + k;
+    const uint32_t *slot = em_blocks_slot(p, at) + k;
     if (x->period > 0.0 && at[0] == 1) sum += slot[(size_t)x->n * p->room] == i;
     if (x->period > 0.0 && at[0] == x->n) sum += *(slot - (size_t)x->n * p->room) == i;
   }
