@@ -305,11 +305,13 @@ static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct e
 
 /* --- see partition.h -------------------------------------------------------------------------- */
 
-static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t i,
+/* The scratch keeps the first `place` of what was found before. */
+static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t i, uint32_t place,
                                                    uint32_t *count) {
   const struct em_places *p = w->places;
-  *count = (uint32_t)(em_blocks_around(p, i, p->found) - p->found);
-  return p->found;
+  uint32_t *const from = p->found + place;
+  *count = (uint32_t)(em_blocks_around(p, i, from) - from);
+  return from;
 }
 
 /* Ball i reaches the end of its cell at the time `now`, or will: puts it into the next. False: no

@@ -47,8 +47,11 @@ static inline bool local_add(struct em_world *w, uint32_t i, const struct em_pre
   return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }
 
-static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  return w->cells ? em_blocks_candidates(w, i, count) : w->partition_kind->candidates(w, i, count);
+/* `place`: how many candidates of another ball, and what is behind them, are to be kept. */
+static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t place,
+                                         uint32_t *count) {
+  return w->cells ? em_blocks_candidates(w, i, place, count)
+                  : w->partition_kind->candidates(w, i, count);
 }
 
 static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {

@@ -49,16 +49,21 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   return tr + c / (sqrt(disc) - p);
 }
 
+static inline struct em_prediction FN(prediction)(const struct em_world *w, double time,
+                                                  uint32_t partner) {
+  return (struct em_prediction){time, partner, w->counter[partner < w->count ? partner : 0]};
+}
+
 /* The earliest of n candidates of ball i, one after the other. */
 static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, const uint32_t *id,
                                          uint32_t n, double now) {
-  struct em_prediction best = {INFINITY, EM_NOBODY, 0};
+  double first = INFINITY;
+  uint32_t partner = EM_NOBODY;
   for (uint32_t k = 0; k < n; k++) {
     const double t = FN(pair)(w, i, id[k], now);
-    if (t < best.time || (t == best.time && id[k] < best.partner))
-      best = (struct em_prediction){t, id[k], 0};
+    if (t < first || (t == first && id[k] < partner)) first = t, partner = id[k];
   }
-  return best;
+  return FN(prediction)(w, first, partner);
 }
 
 /* LANES pairs of balls, as far as a root is needed. */
@@ -115,30 +120,43 @@ static inline vd FN(times_of)(const struct FN(pairs) * q) {
   return q->tr + vd_choose(q->inside, zero, root);
 }
 
-/* The earliest of n candidates of ball i, without branches: what is hit cannot be foretold, and a
- * wrong guess costs more than a root. */
-static inline __attribute__((always_inline)) struct em_prediction
-FN(first_of_many)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n, double now,
-                  bool fresh) {
+/* The earliest of a ball's candidates in each lane. */
+struct FN(earliest) {
+  vd time;
+  vl partner;
+};
+
+/* Without branches: what is hit cannot be foretold, and a wrong guess costs more than a root. */
+static inline __attribute__((always_inline)) struct FN(earliest)
+    FN(earliest_of)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
+                    double now, bool fresh) {
   const struct em_body *own = &w->body[i];
   const vd a[8] = {vd_all(own->x),  vd_all(own->y),  vd_all(own->z), vd_all(own->vx),
                    vd_all(own->vy), vd_all(own->vz), vd_all(own->t), vd_all(own->radius)};
-  vd best = vd_all(INFINITY);
-  vl who = vl_all(EM_NOBODY);
+  struct FN(earliest) best = {vd_all(INFINITY), vl_all(EM_NOBODY)};
   for (uint32_t k = 0; k < n; k += LANES) {
     vd b[8];
     vd_records(&w->body->x, id + k, b);
     const struct FN(pairs) q = FN(pairs_of)(w, a, b, now, fresh);
     const vd time = vd_choose(q.hit & vm_below(n - k), FN(times_of)(&q), vd_all(INFINITY));
     const vl other = vl_of(id + k);
-    const vm sooner = vd_below(time, best) | (vd_equal(time, best) & vl_below(other, who));
-    best = vd_choose(sooner, time, best);
-    who = vl_choose(sooner, other, who);
+    const vm sooner =
+        vd_below(time, best.time) | (vd_equal(time, best.time) & vl_below(other, best.partner));
+    best.time = vd_choose(sooner, time, best.time);
+    best.partner = vl_choose(sooner, other, best.partner);
   }
-  const double first = vd_least_of(best);
-  const uint32_t partner = (uint32_t)vl_least_of(vd_equal(best, vd_all(first)), who);
+  return best;
+}
+
+/* The earliest of all. */
+static inline struct em_prediction FN(choose)(const struct em_world *w, uint32_t i,
+                                              const uint32_t *id, uint32_t n, double now,
+                                              const struct FN(earliest) * best) {
+  const double first = vd_least_of(best->time);
+  const uint32_t partner =
+      (uint32_t)vl_least_of(vd_equal(best->time, vd_all(first)), best->partner);
   if (partner == w->plan[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
-  return (struct em_prediction){first, partner, 0};
+  return FN(prediction)(w, first, partner);
 }
 
 /* Predicts the contacts of n pairs of balls, beside what has been predicted of the first of each;
@@ -158,10 +176,20 @@ static void FN(predict_mixed)(struct em_world *w, const uint32_t *ball, const ui
       const unsigned h = (unsigned)__builtin_ctz(hit);
       const uint32_t i = ball[k + h], j = other[k + h];
       const bool met = w->plan[i].last == j;
-      const struct em_prediction p = {met ? FN(pair)(w, i, j, now) : time[h], j, w->counter[j]};
+      const struct em_prediction p = FN(prediction)(w, met ? FN(pair)(w, i, j, now) : time[h], j);
       em_local_first_add(w->local, i, &p);
     }
   }
+}
+
+/* Where only the earliest is kept: the earliest of n candidates of ball i. */
+static inline struct em_prediction FN(best_of)(const struct em_world *w, uint32_t i,
+                                               const uint32_t *id, uint32_t n, double now) {
+  if (w->vectors) {
+    const struct FN(earliest) best = FN(earliest_of)(w, i, id, n, now, false);
+    return FN(choose)(w, i, id, n, now, &best);
+  }
+  return FN(first_of)(w, i, id, n, now);
 }
 
 /* Predicts the contacts of ball i with n candidates: beside what has been predicted, or `anew`. */
@@ -169,12 +197,8 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
                                      double now, bool anew) {
   w->tally.candidates += n;
   if (!w->keeps_all) {
-    struct em_prediction p = !w->vectors           ? FN(first_of)(w, i, id, n, now)
-                             : w->body[i].t >= now ? FN(first_of_many)(w, i, id, n, now, true)
-                                                   : FN(first_of_many)(w, i, id, n, now, false);
-    if (!anew && p.time == INFINITY) return true;
-    p.counter = w->counter[p.partner < w->count ? p.partner : i];
-    if (!anew) return local_add(w, i, &p);
+    const struct em_prediction p = FN(best_of)(w, i, id, n, now);
+    if (!anew) return p.time == INFINITY || local_add(w, i, &p);
     w->plan[i].first = p;
     return true;
   }
@@ -296,10 +320,28 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
 /* Predicts all events of ball i anew. */
 static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
-  const uint32_t *id = candidates(w, i, &n);
+  const uint32_t *id = candidates(w, i, 0, &n);
   w->tally.predictions++;
   if (!FN(predict_pairs)(w, i, id, n, now, true) || !FN(predict_surfaces)(w, i)) return false;
   FN(schedule)(w, i);
+  return true;
+}
+
+/* Predicts all events of two balls that have just met. The processor works on the roots of one
+ * while it waits for those of the other, if they are near enough to each other: a gain of 1.15. */
+static bool FN(predict_two)(struct em_world *w, uint32_t i, uint32_t j, double now) {
+  if (!w->joins) return FN(predict)(w, i, now) && FN(predict)(w, j, now);
+  uint32_t n, m;
+  const uint32_t *id_i = candidates(w, i, 0, &n), *id_j = candidates(w, j, n + 8, &m);
+  w->tally.predictions += 2;
+  w->tally.candidates += n + m;
+  const struct FN(earliest) a = FN(earliest_of)(w, i, id_i, n, now, true);
+  const struct FN(earliest) b = FN(earliest_of)(w, j, id_j, m, now, true);
+  w->plan[i].first = FN(choose)(w, i, id_i, n, now, &a);
+  w->plan[j].first = FN(choose)(w, j, id_j, m, now, &b);
+  if (!FN(predict_surfaces)(w, i) || !FN(predict_surfaces)(w, j)) return false;
+  FN(schedule)(w, i);
+  FN(schedule)(w, j);
   return true;
 }
 
@@ -642,7 +684,7 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     --*left;
     FN(moved)(w, i);
     if (pair) FN(moved)(w, partner);
-    if (!FN(predict)(w, i, at) || (pair && !FN(predict)(w, partner, at))) return no_memory(err);
+    if (pair ? !FN(predict_two)(w, i, partner, at) : !FN(predict)(w, i, at)) return no_memory(err);
   }
   return EM_OK;
 }

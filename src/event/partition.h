@@ -19,6 +19,7 @@ struct em_partition_kind {
   /* All candidates of ball i (i itself is not among them); valid until the next call. Behind them,
    * up to a multiple of eight, stand any balls; the same holds for cross. */
   const uint32_t *(*candidates)(struct em_world *world, uint32_t i, uint32_t *count);
+  bool lasting; /* those of two balls can be asked for together: see candidates in loop_parts.h */
   /* Ball i moves along a new path since body[i].t: sets world.plan[i].leave. */
   void (*moved)(struct em_world *world, uint32_t i);
   /* Ball i reaches its leave time `now`, or will: re-places it, sets world.plan[i].leave > now

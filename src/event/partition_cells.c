@@ -59,7 +59,7 @@ bool em_partition_cells_widen(struct em_places *p) {
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  return em_blocks_candidates(w, i, count);
+  return em_blocks_candidates(w, i, 0, count);
 }
 
 static void moved(struct em_world *w, uint32_t i) {
@@ -267,6 +267,7 @@ const struct em_partition_kind em_partition_cells = {
     .make = make,
     .free = free_places,
     .candidates = candidates,
+    .lasting = true,
     .moved = moved,
     .cross = cross,
     .surfaces = surfaces,

@@ -546,6 +546,7 @@ const struct em_partition_kind em_partition_neighbours = {
     .make = make,
     .free = free_places,
     .candidates = candidates,
+    .lasting = true,
     .moved = moved,
     .cross = cross,
     .renew = renew,
