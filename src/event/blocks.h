@@ -255,10 +255,11 @@ static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, 
   ptrdiff_t y[3], z[3];
   em_blocks_pitch(p, 1, at, y);
   em_blocks_pitch(p, 2, at, z);
-  for (int k = 0; k < 3; k++)
-    for (int h = 0; h < 3; h++)
-      for (uint32_t s = 0; s < 3 * p->room; s += 12)
-        end = em_blocks_append(em_blocks_row(slot + z[k] + y[h] + s), i, end);
+  for (uint32_t s = 0; s < 3 * p->room;
+       s += 12) /* once, as a rule: what is below has no branches */
+#pragma GCC unroll 9
+    for (int k = 0; k < 9; k++)
+      end = em_blocks_append(em_blocks_row(slot + z[k / 3] + y[k % 3] + s), i, end);
   memset(end, 0, 8 * sizeof *end);
   return end;
 }
@@ -293,12 +294,13 @@ static inline struct em_blocks_slab em_blocks_beyond(const struct em_places *p,
 /* Appends their balls, and any balls behind them. */
 static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct em_blocks_slab *s,
                                        uint32_t *end) {
-  for (int k = 0; k < 3; k++) {
-    const uint32_t *here = s->slot + s->v[k];
-    for (uint32_t h = 0; h < p->room; h += EM_BLOCKS_ROOM)
-      end = em_blocks_append(em_blocks_three(here + s->u[0] + h, here + h, here + s->u[2] + h),
-                             EM_BLOCKS_EMPTY, end);
-  }
+  for (uint32_t h = 0; h < p->room; h += EM_BLOCKS_ROOM)
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+      const uint32_t *here = s->slot + s->v[k] + h;
+      end = em_blocks_append(em_blocks_three(here + s->u[0], here, here + s->u[2]), EM_BLOCKS_EMPTY,
+                             end);
+    }
   memset(end, 0, 8 * sizeof *end);
   return end;
 }
