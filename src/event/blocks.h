@@ -393,10 +393,8 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
   } else {
     end = em_blocks_around(p, i, p->found);
   }
-  for (const uint32_t *id = p->found; id < end; id++) {
+  for (const uint32_t *id = p->found; id < end; id++)
     __builtin_prefetch(&w->body[*id]);
-    __builtin_prefetch(&w->counter[*id]);
-  }
 }
 
 static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {

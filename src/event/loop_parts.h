@@ -90,12 +90,10 @@ static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves)
   uint32_t count;
   const uint32_t *id = w->partition_kind->candidates(w, i, &count);
   for (uint32_t h = 0; h < count; h++) {
-    if (leaves) {
+    if (leaves)
       w->partition_kind->fetch(w, id[h], false, false);
-    } else {
+    else
       __builtin_prefetch(&w->body[id[h]]);
-      __builtin_prefetch(&w->counter[id[h]]);
-    }
   }
 }
 
