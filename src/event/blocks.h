@@ -329,6 +329,7 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
     memcpy(here->cell, next, sizeof next);
     if (!em_blocks_enter(p, i)) return false;
   }
+  if (p->near) here->near = p->near[em_blocks_number(p, em_blocks_slot(p, here->cell))];
   const struct em_vec x = em_body_at(w, i, now);
   if (p->centre) p->centre[i] = x;
   em_blocks_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);
@@ -395,11 +396,6 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
   }
   for (const uint32_t *id = p->found; id < end; id++)
     __builtin_prefetch(&w->body[*id]);
-}
-
-static inline uint32_t em_blocks_surfaces(const struct em_world *w, uint32_t i) {
-  const struct em_places *p = w->places;
-  return p->near ? p->near[em_blocks_number(p, em_blocks_slot(p, p->plan[i].cell))] : 0;
 }
 
 #endif

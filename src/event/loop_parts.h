@@ -54,10 +54,6 @@ static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_
                   : w->partition_kind->candidates(w, i, count);
 }
 
-static inline uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return w->cells ? em_blocks_surfaces(w, i) : w->partition_kind->surfaces(w, i);
-}
-
 /* Does a prediction of ball i hold, or has its partner had a contact since? */
 static inline bool holds(const struct em_world *w, uint32_t i, const struct em_prediction *p) {
   const bool ball = p->partner < EM_SURFACE;

@@ -302,7 +302,7 @@ static bool FN(predict_room)(struct em_world *w, uint32_t i, double h) {
 /* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
  * place or meets another ball. */
 static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
-  const uint32_t near = surfaces(w, i);
+  const uint32_t near = w->plan[i].near;
   if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
   if (!WITH(ROTOR) || !(near & ~EM_NEAR_WALL)) return true;
   const double h = FN(until)(w, i) - w->body[i].t;

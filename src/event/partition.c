@@ -11,8 +11,9 @@ double em_partition_fraction(const struct em_world *w) {
 }
 
 /* Measured: where balls crowd, 27 cells hold twice as many as come near, which costs little with
- * wide vectors only, or where lists of those that come near don't fit into the caches; a rotor makes
- * balls crowd. Where sizes differ, cells fit the largest and hold too many of the small ones. */
+ * wide vectors only, or where lists of those that come near don't fit into the caches; a rotor
+ * makes balls crowd. Where sizes differ, cells fit the largest and hold too many of the small ones.
+ */
 static const struct em_partition_kind *fastest(const struct em_world *w) {
   const bool alike = w->largest < 1.3 * w->smallest, wide = w->loop->lanes >= 8;
   const bool large = w->count >= EM_FETCH_FROM;

@@ -29,8 +29,6 @@ struct em_partition_kind {
   /* A new epoch has begun: all times of the world, leave times too, have been moved back by its
    * length. NULL: nothing to do. Returns false when memory is short. */
   bool (*renew)(struct em_world *world);
-  /* Surfaces that ball i can meet before it leaves: EM_NEAR_WALL and the bits of blades. */
-  uint32_t (*surfaces)(const struct em_world *world, uint32_t i);
   /* Asks memory for what `candidates` and `moved` will read of ball i: first what stands at its
    * number, later (`beyond`) what that points to, and what `cross` will read when it `leaves`.
    * NULL: nothing to ask for. */
@@ -39,7 +37,8 @@ struct em_partition_kind {
   bool (*is_valid)(const struct em_world *world);
 };
 
-/* The drum or any plane wall, and blade k: the last bit stands for all further blades. */
+/* What plan.near is made of, which `make` and `cross` set: the drum or any plane wall, and blade k:
+ * the last bit stands for all further blades. */
 #define EM_NEAR_WALL     0x80000000u
 #define EM_NEAR_MANY     30
 #define EM_NEAR_BLADE(k) (1u << ((k) < EM_NEAR_MANY ? (k) : EM_NEAR_MANY))

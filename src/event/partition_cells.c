@@ -74,10 +74,6 @@ static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves
   if (beyond) em_blocks_fetch(w, i, leaves);
 }
 
-static uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return em_blocks_surfaces(w, i);
-}
-
 /* --- making ----------------------------------------------------------------------------------- */
 
 static void free_places(struct em_places *p) {
@@ -232,6 +228,9 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
   if (p->near) set_near(w, p);
+  for (uint32_t i = 0; i < p->count; i++)
+    p->plan[i].near =
+        p->near ? p->near[em_blocks_number(p, em_blocks_slot(p, p->plan[i].cell))] : 0;
   w->mixes = w->vectors && !w->keeps_all && !p->centre;
   *places = p;
   return EM_OK;
@@ -270,7 +269,6 @@ const struct em_partition_kind em_partition_cells = {
     .lasting = true,
     .moved = moved,
     .cross = cross,
-    .surfaces = surfaces,
     .fetch = fetch,
     .bytes = bytes,
     .is_valid = is_valid,

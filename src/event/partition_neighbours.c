@@ -39,7 +39,7 @@ struct em_places {
   struct list *list;
   uint32_t *mark; /* stamps of the last search */
   uint32_t stamp;
-  uint32_t *near; /* surfaces near each shell; NULL where there are none */
+  bool surfaces; /* that there are any */
 
   uint32_t *pool; /* of all lists */
   size_t pool_used, pool_room;
@@ -250,7 +250,7 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   s->centre[1] = (float)wrapped(c.y, w->low.y, w->period.y);
   s->centre[2] = (float)wrapped(c.z, w->low.z, w->period.z);
   w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
-  if (p->near) p->near[i] = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
+  if (p->surfaces) w->plan[i].near = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
 }
 
 static float hull_of(const struct em_world *w, uint32_t i) {
@@ -349,10 +349,6 @@ static void moved(struct em_world *w, uint32_t i) {
   w->plan[i].leave = stay(w, p, &p->shell[i], b->t, x, v, fast2);
 }
 
-static uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return w->places->near ? w->places->near[i] : 0;
-}
-
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
   const struct em_places *p = w->places;
   if (!beyond) {
@@ -400,7 +396,6 @@ static void free_places(struct em_places *p) {
   free(p->shell);
   free(p->list);
   free(p->mark);
-  free(p->near);
   free(p->pool);
   free(p->found);
   free(p->gone);
@@ -412,9 +407,8 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   p->shell = em_body_array(w->count, sizeof *p->shell);
   p->list = em_body_array(w->count, sizeof *p->list);
   p->mark = em_body_array(w->count, sizeof *p->mark);
-  const bool any = w->drum || w->walls || w->blade_count;
-  if (any) p->near = em_body_array(w->count, sizeof *p->near);
-  return p->shell && p->list && p->mark && (p->near || !any) &&
+  p->surfaces = w->drum || w->walls || w->blade_count;
+  return p->shell && p->list && p->mark &&
          grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
                         w->loop->lanes >= 4);
@@ -521,7 +515,7 @@ static size_t bytes(const struct em_places *p) {
                p->pool_room * sizeof *p->pool + (p->found_room + p->gone_room) * sizeof *p->found;
   for (int k = 0; k < LIST_CLASSES; k++)
     sum += p->spare_room[k] * sizeof **p->spare;
-  return sum + em_shells_bytes(&p->shells) + (p->near ? p->count * sizeof *p->near : 0);
+  return sum + em_shells_bytes(&p->shells);
 }
 
 /* Every entry has its mirror image, every shell is in its cell. */
@@ -550,7 +544,6 @@ const struct em_partition_kind em_partition_neighbours = {
     .moved = moved,
     .cross = cross,
     .renew = renew,
-    .surfaces = surfaces,
     .fetch = fetch,
     .bytes = bytes,
     .is_valid = is_valid,

@@ -45,12 +45,6 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   return p->other;
 }
 
-static uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  (void)w;
-  (void)i;
-  return UINT32_MAX;
-}
-
 static void free_places(struct em_places *p) {
   if (!p) return;
   free(p->centre);
@@ -82,6 +76,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   *places = w->places = p;
   for (uint32_t i = 0; i < w->count; i++) {
     p->other[i] = p->position[i] = i;
+    w->plan[i].near = UINT32_MAX;
     if (periodic) p->centre[i] = em_body_at(w, i, w->clock);
     set_leave(w, i, w->clock);
   }
@@ -107,7 +102,6 @@ const struct em_partition_kind em_partition_none = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
-    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

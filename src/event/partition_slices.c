@@ -72,6 +72,7 @@ static void set_leave(struct em_world *w, uint32_t i, double from) {
   const struct em_places *p = w->places;
   const int c = p->interval[i];
   const double y = seen(p, c, em_body_at(w, i, from).y), v = em_body_velocity(w, i, from).y;
+  w->plan[i].near = EM_NEAR_WALL | p->mask[c];
   double leave = from + em_span_leave(y, v, w->gravity.y, low_of(p, c), high_of(p, c));
   if (p->centre) leave = fmin(leave, em_partition_stay(w, i, from, p->centre[i], p->room));
   w->plan[i].leave = fmin(leave, em_span_limit(w, from));
@@ -137,10 +138,6 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
                ? side > 0 ? collect(p, i, next + 1, next + 2) : collect(p, i, next - 2, next - 1)
                : 0;
   return p->found;
-}
-
-static uint32_t surfaces(const struct em_world *w, uint32_t i) {
-  return EM_NEAR_WALL | w->places->mask[w->places->interval[i]];
 }
 
 /* Blades that reach, as they turn, a ball whose centre is in interval c. */
@@ -273,7 +270,6 @@ const struct em_partition_kind em_partition_slices = {
     .candidates = candidates,
     .moved = moved,
     .cross = cross,
-    .surfaces = surfaces,
     .bytes = bytes,
     .is_valid = is_valid,
 };

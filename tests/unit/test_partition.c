@@ -139,7 +139,7 @@ static void check_pairs(struct em_world *w, uint32_t i, double now, uint64_t *fo
 }
 
 static void check_blades(const struct em_world *w, uint32_t i, double now, uint64_t *found) {
-  const uint32_t mask = w->partition_kind->surfaces(w, i);
+  const uint32_t mask = w->plan[i].near;
   const double horizon = w->plan[i].leave - now;
   for (uint32_t k = 0; k < w->blade_count && horizon > 0.0; k++) {
     const struct em_blade *b = &w->blade[k].blade;
