@@ -161,8 +161,9 @@ static inline struct em_prediction FN(choose)(const struct em_world *w, uint32_t
 
 /* Predicts the contacts of n pairs of balls, beside what has been predicted of the first of each;
  * few of them meet. */
-static void FN(predict_mixed)(struct em_world *w, const uint32_t *ball, const uint32_t *other,
-                              uint32_t n, double now) {
+static __attribute__((noinline)) void FN(predict_mixed)(struct em_world *w, const uint32_t *ball,
+                                                        const uint32_t *other, uint32_t n,
+                                                        double now) {
   w->tally.candidates += n;
   for (uint32_t k = 0; k < n; k += LANES) {
     vd a[8], b[8];
@@ -329,7 +330,8 @@ static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
 
 /* Predicts all events of two balls that have just met. The processor works on the roots of one
  * while it waits for those of the other, if they are near enough to each other: a gain of 1.15. */
-static bool FN(predict_two)(struct em_world *w, uint32_t i, uint32_t j, double now) {
+static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32_t i, uint32_t j,
+                                                      double now) {
   if (!w->joins) return FN(predict)(w, i, now) && FN(predict)(w, j, now);
   uint32_t n, m;
   const uint32_t *id_i = candidates(w, i, 0, &n), *id_j = candidates(w, j, n + 8, &m);

@@ -65,7 +65,7 @@ struct em_places {
 static bool grow(void **array, size_t size, size_t *room, size_t wanted) {
   size_t more = *room ? *room : 64;
   while (more < wanted)
-    more *= 2;
+    more += more / 4;
   void *p = realloc(*array, more * size);
   if (!p) return false;
   memset((char *)p + *room * size, 0, (more - *room) * size);
