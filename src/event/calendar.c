@@ -17,6 +17,7 @@ static void set_current(struct em_queue *q, int64_t current) {
 
 /* No ball stands anywhere. Bin 0 is of the ring, so that its number serves as none. */
 static void empty(struct em_queue *q) {
+  q->few = false;
   while (q->due_count)
     q->due_time[--q->due_count] = INFINITY;
   q->later_count = 0;
@@ -148,7 +149,23 @@ static void load(struct em_queue *q, uint32_t bin) {
   q->due_count = n;
 }
 
+void em_calendar_close_up(struct em_queue *q) {
+  const uint32_t all = q->due_count;
+  q->due_count = 0;
+  q->few = false;
+  for (uint32_t k = 0; k < all; k++)
+    if (q->standing >> k & 1) em_calendar_put(q, q->due_count++, q->due[k], q->due_time[k]);
+  for (uint32_t k = q->due_count; k < all; k++)
+    q->due_time[k] = INFINITY;
+}
+
 bool em_calendar_advance(struct em_queue *q) {
+  if (q->few) {
+    for (int k = 0; k < 8; k++)
+      q->due_time[k] = INFINITY;
+    q->due_count = 0;
+    q->few = false;
+  }
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
     while (slot < q->bins && q->entries[slot] == 0)
@@ -256,6 +273,7 @@ static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
   double time;
   uint32_t rival;
   if (first(q, &time, &rival) == EM_QUEUE_NOBODY) return 0;
+  if (q->few) em_calendar_close_up(q);
   size_t found = 0;
   for (uint32_t k = 0; k < q->due_count; k++) {
     if (q->due_time[k] != time) continue;
@@ -274,6 +292,7 @@ static size_t bytes(const struct em_queue *q) {
 static bool due_is_valid(const struct em_queue *q) {
   for (uint32_t place = 0; place < q->due_count; place++) {
     const uint32_t ball = q->due[place];
+    if (q->few && !(q->standing >> place & 1)) continue;
     if (ball >= q->count || q->plan[ball].place != place || q->due_time[place] != q->plan[ball].due)
       return false;
     if (!(em_calendar_bin(q, q->plan[ball].due) < q->due_end)) return false;
@@ -306,7 +325,8 @@ static bool is_valid(const struct em_queue *q) {
     later += plan->later;
     if (!is_due && !waits(q, ball, em_calendar_bin(q, plan->due))) return false;
   }
-  return due == q->due_count && later == q->later_count;
+  const uint32_t all = q->few ? (uint32_t)__builtin_popcount(q->standing) : q->due_count;
+  return due == all && later == q->later_count;
 }
 
 const struct em_queue_kind em_queue_calendar = {

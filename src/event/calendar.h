@@ -7,7 +7,9 @@
  * its bin, and no neighbour's.
  *
  * The few balls of the current bin are due: they stand in no order, and the earliest is looked up
- * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more.
+ * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more. Once they
+ * are few, they are taken out by clearing a bit, for what has just been written in parts could not
+ * yet be read as a vector: a gain of 1.02.
  *
  * The order of events is that of (time, ball), whatever the width of a bin. The width adapts
  * itself: when a turn was too full or too empty, when nothing was found in it, and when the bin
@@ -45,6 +47,8 @@ struct em_queue {
   uint32_t *due;               /* balls of the current bin and before */
   double *due_time;            /* INFINITY up to a multiple of eight */
   uint32_t due_count, later_count;
+  bool few;          /* no more than eight have become due; those that still are have */
+  unsigned standing; /* their bits set */
   uint32_t count, bins, all_bins;
   uint32_t spare;    /* the first free bin behind the ring, linked by `aside`; 0: none */
   uint32_t slot;     /* of the current bin in the ring: current - base */
@@ -58,6 +62,8 @@ struct em_queue {
 bool em_calendar_advance(struct em_queue *q);
 /* The bin was large for long: are the bins too wide? */
 void em_calendar_relieve(struct em_queue *q);
+/* Where few are due: takes those that are not any more out of the list. */
+void em_calendar_close_up(struct em_queue *q);
 /* The first of the balls that are due, by (time, ball), where there are many. */
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
 /* A bin is full: puts its entries aside, or, where no room is left, files all balls anew; false:
@@ -82,10 +88,16 @@ static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t 
 
 static inline void em_calendar_add(struct em_queue *q, uint32_t ball, double time) {
   q->loaded++;
+  if (q->few) em_calendar_close_up(q);
   em_calendar_put(q, q->due_count++, ball, time);
 }
 
 static inline void em_calendar_remove(struct em_queue *q, uint32_t place) {
+  if (q->few) {
+    q->standing &= ~(1u << place);
+    q->plan[q->due[place]].place = EM_CALENDAR_WAITS;
+    return;
+  }
   const uint32_t last = --q->due_count, gone = q->due[place];
   em_calendar_put(q, place, q->due[last], q->due_time[last]);
   q->plan[gone].place = EM_CALENDAR_WAITS;
@@ -132,14 +144,29 @@ static inline void em_calendar_set(struct em_queue *q, uint32_t ball, double tim
   (void)em_calendar_file(q, ball, at);
 }
 
+/* Is nobody due? */
+static inline bool em_calendar_is_over(const struct em_queue *q) {
+  return q->few ? q->standing == 0 : q->due_count == 0;
+}
+
 /* See queue.h. */
 static inline uint32_t em_calendar_first(struct em_queue *q, double *time, uint32_t *rival) {
-  if (q->due_count == 0 && !em_calendar_advance(q)) return EM_QUEUE_NOBODY;
-  if (q->due_count > 8) return em_calendar_search(q, time, rival);
-  const v4d a = *(const v4d *)q->due_time, b = *(const v4d *)(q->due_time + 4);
+  if (em_calendar_is_over(q) && !em_calendar_advance(q)) return EM_QUEUE_NOBODY;
+  if (!q->few) {
+    if (q->due_count > 8) return em_calendar_search(q, time, rival);
+    q->few = true;
+    q->standing = (1u << q->due_count) - 1u;
+  }
+  const v4l low = {1, 2, 4, 8}, high = {16, 32, 64, 128}, bits = v4l_all(q->standing);
+  const v4d none = v4d_all(INFINITY);
+  const v4d a = v4d_choose((bits & low) == low, *(const v4d *)q->due_time, none);
+  const v4d b = v4d_choose((bits & high) == high, *(const v4d *)(q->due_time + 4), none);
   const v4d all = v4d_least_of(v4d_least(a, b));
   const unsigned here = v4l_bits(a == all) | v4l_bits(b == all) << 4;
-  if (here & (here - 1) & ((here & (here - 1)) - 1)) return em_calendar_search(q, time, rival);
+  if (here & (here - 1) & ((here & (here - 1)) - 1)) {
+    em_calendar_close_up(q);
+    return em_calendar_search(q, time, rival);
+  }
   const uint32_t i = q->due[__builtin_ctz(here)], j = q->due[31 - __builtin_clz(here)];
   *time = all[0];
   *rival = i < j ? j : i;

@@ -621,10 +621,11 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
   return true;
 }
 
-/* A bin of the calendar begins at `now`: of its balls, those that leave their places in it are
- * moved on at once, if they are near enough to the border, and predictions that are stale are made
- * anew. When that is done changes no contact, and the processor, which cannot foretell what the
- * next event is, goes through many of a kind without wrong guesses: a gain of 1.1. */
+/* A bin of the calendar begins, after the last contact at `now`: of its balls, those that leave
+ * their places in it are moved on at once, if they are near enough to the border, and predictions
+ * that are stale are made anew. When that is done changes no contact, and the processor, which
+ * cannot foretell what the next event is, goes through many of a kind without wrong guesses: a gain
+ * of 1.1. */
 static bool FN(tidy)(struct em_world *w, double now) {
   uint32_t ball[FORESEEN], stale[FORESEEN], leaving = 0, near = 0, rest = 0;
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
@@ -658,17 +659,16 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
   uint64_t turns = 0;
   const bool bins = w->calendar && !w->keeps_all;
   const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
-  uint32_t bin = UINT32_MAX;
   while (*left > 0) {
+    if (bins && em_calendar_is_over(w->queue)) {
+      if (!em_calendar_advance(w->queue)) return EM_OK;
+      if (foresight) foresee(w);
+      if (!FN(tidy)(w, w->clock)) return no_memory(err);
+      continue;
+    }
     double t;
     uint32_t rival, i = queue_first(w, &t, &rival);
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
-    if (bins && w->queue->slot != bin) {
-      bin = w->queue->slot;
-      if (foresight) foresee(w);
-      if (!FN(tidy)(w, t)) return no_memory(err);
-      continue;
-    }
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
     if (rival != i && !meets(w, i, rival)) i = untie(w, t);
