@@ -20,8 +20,8 @@
 enum {
   EM_BLOCKS_ROOM = 4,    /* least slots of a cell, doubled when one is full */
   EM_BLOCKS_BEYOND = 16, /* places written behind candidates */
-  EM_BLOCKS_MANY = 32,
-  EM_BLOCKS_STAYS = 6 /* the leave time is not that of an exit */
+  EM_BLOCKS_MANY = 32,   /* balls that may move on together */
+  EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
 };
 
 /* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. Along x, where
@@ -49,8 +49,7 @@ struct em_places {
   double slack;   /* m */
   double room_m;  /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
   struct em_vec *centre;
-  uint32_t
-      *found; /* scratch: candidates, with room for those of EM_BLOCKS_MANY balls that move on */
+  uint32_t *found;  /* scratch: candidates, of up to EM_BLOCKS_MANY balls that move on, */
   uint32_t *finder; /* and whose they are */
 };
 
@@ -62,9 +61,9 @@ static inline uint32_t *em_blocks_slot(const struct em_places *p, const uint16_t
   return p->slot + p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
 }
 
-/* The number of the cell whose first slot this is. */
-static inline size_t em_blocks_number(const struct em_places *p, const uint32_t *slot) {
-  return (size_t)(slot - p->slot) >> p->room_bits;
+/* What surfaces are near a cell, where there are any at all. */
+static inline uint32_t *em_blocks_near(const struct em_places *p, const uint16_t at[3]) {
+  return p->near + ((size_t)(em_blocks_slot(p, at) - p->slot) >> p->room_bits);
 }
 
 /* --- leaving ---------------------------------------------------------------------------------- */
@@ -169,8 +168,8 @@ static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
 }
 
-/* Twelve slots: four each at three places, and twelve at one. What follows appends the balls in
- * them but ball `self`, and writes EM_BLOCKS_BEYOND places. */
+/* Twelve slots, four each at three places (em_blocks_three) or twelve at one (em_blocks_row), of
+ * which em_blocks_append appends the balls but ball `self`; it writes EM_BLOCKS_BEYOND places. */
 #if defined(__AVX512F__)
 
 typedef __m512i em_blocks_twelve;
@@ -283,9 +282,9 @@ struct em_blocks_slab {
 static inline struct em_blocks_slab em_blocks_beyond(const struct em_places *p,
                                                      const uint16_t at[3], unsigned exit) {
   const int a = (int)exit / 2;
-  struct em_blocks_slab s;
-  em_blocks_pitch(p, a, at, s.u);
-  s.slot = em_blocks_slot(p, at) + s.u[exit & 1 ? 2 : 0];
+  ptrdiff_t across[3];
+  em_blocks_pitch(p, a, at, across);
+  struct em_blocks_slab s = {.slot = em_blocks_slot(p, at) + across[exit & 1 ? 2 : 0]};
   em_blocks_pitch(p, a == 0, at, s.u);
   em_blocks_pitch(p, 2 - (a == 2), at, s.v);
   return s;
@@ -329,7 +328,7 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
     memcpy(here->cell, next, sizeof next);
     if (!em_blocks_enter(p, i)) return false;
   }
-  if (p->near) here->near = p->near[em_blocks_number(p, em_blocks_slot(p, here->cell))];
+  if (p->near) here->near = *em_blocks_near(p, here->cell);
   const struct em_vec x = em_body_at(w, i, now);
   if (p->centre) p->centre[i] = x;
   em_blocks_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);

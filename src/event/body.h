@@ -80,7 +80,6 @@ struct em_world {
   const struct em_partition_kind *partition_kind;
   struct em_places *places; /* what the partition keeps */
   bool cells;               /* that these are cells */
-  bool mixes;               /* that many balls can move on from theirs at once */
   bool joins;               /* the contacts of two balls that have met are predicted together */
   double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;

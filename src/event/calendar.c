@@ -160,12 +160,7 @@ void em_calendar_close_up(struct em_queue *q) {
 }
 
 bool em_calendar_advance(struct em_queue *q) {
-  if (q->few) {
-    for (int k = 0; k < 8; k++)
-      q->due_time[k] = INFINITY;
-    q->due_count = 0;
-    q->few = false;
-  }
+  if (q->few) em_calendar_close_up(q);
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
     while (slot < q->bins && q->entries[slot] == 0)

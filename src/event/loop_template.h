@@ -318,14 +318,19 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
   queue_set(w, i, local_least(w, i));
 }
 
+/* After its contacts with balls: predicts those of ball i with surfaces, and files the earliest. */
+static bool FN(settle)(struct em_world *w, uint32_t i) {
+  if (!FN(predict_surfaces)(w, i)) return false;
+  FN(schedule)(w, i);
+  return true;
+}
+
 /* Predicts all events of ball i anew. */
 static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
   const uint32_t *id = candidates(w, i, 0, &n);
   w->tally.predictions++;
-  if (!FN(predict_pairs)(w, i, id, n, now, true) || !FN(predict_surfaces)(w, i)) return false;
-  FN(schedule)(w, i);
-  return true;
+  return FN(predict_pairs)(w, i, id, n, now, true) && FN(settle)(w, i);
 }
 
 /* Predicts all events of two balls that have just met. The processor works on the roots of one
@@ -341,10 +346,7 @@ static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32
   const struct FN(earliest) b = FN(earliest_of)(w, j, id_j, m, now, true);
   w->plan[i].first = FN(choose)(w, i, id_i, n, now, &a);
   w->plan[j].first = FN(choose)(w, j, id_j, m, now, &b);
-  if (!FN(predict_surfaces)(w, i) || !FN(predict_surfaces)(w, j)) return false;
-  FN(schedule)(w, i);
-  FN(schedule)(w, j);
-  return true;
+  return FN(settle)(w, i) && FN(settle)(w, j);
 }
 
 static bool FN(predict_all)(struct em_world *w) {
@@ -585,9 +587,7 @@ static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
                                 : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;
-  if (!FN(predict_pairs)(w, i, id, n, now, false) || !FN(predict_surfaces)(w, i)) return false;
-  FN(schedule)(w, i);
-  return true;
+  return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i);
 }
 
 /* Takes a stale prediction of ball i out. */
@@ -614,10 +614,8 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
   }
   w->tally.transfers += n;
   FN(predict_mixed)(w, p->finder, p->found, all, now);
-  for (uint32_t k = 0; k < n; k++) {
-    if (!FN(predict_surfaces)(w, ball[k])) return false;
-    FN(schedule)(w, ball[k]);
-  }
+  for (uint32_t k = 0; k < n; k++)
+    if (!FN(settle)(w, ball[k])) return false;
   return true;
 }
 
@@ -643,7 +641,7 @@ static bool FN(tidy)(struct em_world *w, double now) {
     ball[near] = ball[k];
     near += speed * (leave - now) <= w->early;
   }
-  if (w->mixes) {
+  if (w->joins && w->cells && !w->places->centre) {
     if (!FN(cross_all)(w, ball, near, now)) return false;
   } else {
     for (uint32_t k = 0; k < near; k++)

@@ -20,7 +20,7 @@ static void split(struct em_vec a, double part[3]) {
   part[2] = a.z;
 }
 
-/* Candidates for each slot of a cell: of EM_BLOCKS_MANY balls from 9 cells, or of one from 27. */
+/* Candidates for each slot of a cell: of EM_BLOCKS_MANY balls from 9 cells, or of two from 27. */
 static size_t found_room(size_t room) {
   return 9 * EM_BLOCKS_MANY * room + EM_BLOCKS_BEYOND;
 }
@@ -181,9 +181,10 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         double c[3];
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
-        p->near[em_blocks_number(p, em_blocks_slot(p, at))] =
-            surfaces_near(w, c, half, 2.0 * p->slack + w->early);
+        *em_blocks_near(p, at) = surfaces_near(w, c, half, 2.0 * p->slack + w->early);
       }
+  for (uint32_t i = 0; i < p->count; i++)
+    p->plan[i].near = *em_blocks_near(p, p->plan[i].cell);
 }
 
 static uint16_t number_along(const struct em_blocks_axis *axis, double x) {
@@ -228,10 +229,6 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
   if (p->near) set_near(w, p);
-  for (uint32_t i = 0; i < p->count; i++)
-    p->plan[i].near =
-        p->near ? p->near[em_blocks_number(p, em_blocks_slot(p, p->plan[i].cell))] : 0;
-  w->mixes = w->vectors && !w->keeps_all && !p->centre;
   *places = p;
   return EM_OK;
 }
