@@ -267,7 +267,7 @@ static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, 
 static inline void em_blocks_next(const struct em_places *p, uint32_t i, uint16_t next[3]) {
   const struct em_plan *here = &p->plan[i];
   const unsigned a = here->exit / 2;
-  const int n = p->axis[a].n, to = here->cell[a] + (here->exit & 1 ? 1 : -1);
+  const int n = p->axis[a].n, to = here->cell[a] + 2 * (here->exit & 1) - 1;
   memcpy(next, here->cell, sizeof here->cell);
   next[a] = (uint16_t)(to == 0 ? n : to > n ? 1 : to);
 }

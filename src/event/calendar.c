@@ -8,7 +8,10 @@
 #include "event/body.h"
 
 enum { LEAST_BINS = 8, SAMPLE = 256 };
-#define TARGET 8.0 /* events per bin: of 2 … 12 the fastest */
+/* Events per bin: where memory is asked for ahead, not for too many at a time. */
+static double target(uint32_t count) {
+  return count < EM_FETCH_FROM ? 12.0 : 8.0;
+}
 
 static void set_current(struct em_queue *q, int64_t current) {
   q->due_end = (double)current + 1.0;
@@ -18,8 +21,8 @@ static void set_current(struct em_queue *q, int64_t current) {
 /* No ball stands anywhere. Bin 0 is of the ring, so that its number serves as none. */
 static void empty(struct em_queue *q) {
   q->few = false;
-  while (q->due_count)
-    q->due_time[--q->due_count] = INFINITY;
+  q->standing = 0;
+  q->due_count = 0;
   q->later_count = 0;
   for (uint32_t ball = 0; ball < q->count; ball++) {
     q->plan[ball].place = EM_CALENDAR_WAITS;
@@ -82,7 +85,7 @@ static double earliest_time(const struct em_queue *q) {
 
 void em_calendar_relieve(struct em_queue *q) {
   const double earliest = earliest_time(q);
-  const double width = TARGET * spacing_ahead(q, earliest);
+  const double width = target(q->count) * spacing_ahead(q, earliest);
   q->pressure = 0;
   if (width > 0.0 && width < 0.5 * q->width) refile_all(q, earliest, width);
 }
@@ -91,13 +94,13 @@ void em_calendar_relieve(struct em_queue *q) {
  * full or too empty. False: there is nothing left at all. */
 static bool next_turn(struct em_queue *q) {
   const int64_t current = q->base + q->bins;
-  const double found = (double)q->loaded / (double)q->bins / TARGET;
+  const double found = (double)q->loaded / (double)q->bins / target(q->count);
   const bool odd = found > 2.0 || (found < 0.5 && q->bins > LEAST_BINS);
   if (odd || q->loaded == 0 || current > INT64_C(1) << 50) {
     const double earliest = earliest_time(q);
     if (earliest == INFINITY) return false;
     double width = q->width / fmax(found, 1.0 / 16.0);
-    if (q->loaded == 0) width = fmax(width, TARGET * spacing_ahead(q, earliest));
+    if (q->loaded == 0) width = fmax(width, target(q->count) * spacing_ahead(q, earliest));
     refile_all(q, earliest, odd ? width : q->width);
     return true;
   }
@@ -141,8 +144,8 @@ static void load(struct em_queue *q, uint32_t bin) {
     const bool in =
         (em_calendar_bin(q, plan->due) < q->due_end) & (plan->place == EM_CALENDAR_WAITS);
     q->due[n] = ball;
-    q->due_time[n] = in ? plan->due : INFINITY;
-    plan->place = in ? n : plan->place;
+    q->due_time[n] = plan->due;
+    plan->place = (plan->place & ~-(uint32_t)in) | (n & -(uint32_t)in);
     n += in;
   }
   q->loaded += n - q->due_count;
@@ -150,17 +153,24 @@ static void load(struct em_queue *q, uint32_t bin) {
 }
 
 void em_calendar_close_up(struct em_queue *q) {
-  const uint32_t all = q->due_count;
   q->due_count = 0;
   q->few = false;
-  for (uint32_t k = 0; k < all; k++)
-    if (q->standing >> k & 1) em_calendar_put(q, q->due_count++, q->due[k], q->due_time[k]);
-  for (uint32_t k = q->due_count; k < all; k++)
-    q->due_time[k] = INFINITY;
+  for (; q->standing; q->standing &= q->standing - 1) {
+    const int k = __builtin_ctz(q->standing);
+    em_calendar_put(q, q->due_count++, q->due[k], q->due_time[k]);
+  }
+}
+
+bool em_calendar_thin_out(struct em_queue *q) {
+  if (q->due_count > EM_CALENDAR_FEW) return false;
+  q->few = true;
+  q->standing = (1u << q->due_count) - 1u;
+  return true;
 }
 
 bool em_calendar_advance(struct em_queue *q) {
-  if (q->few) em_calendar_close_up(q);
+  q->few = false;
+  q->due_count = 0;
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
     while (slot < q->bins && q->entries[slot] == 0)
@@ -181,6 +191,7 @@ bool em_calendar_advance(struct em_queue *q) {
       k = next;
     } while (next);
   }
+  (void)em_calendar_thin_out(q);
   return true;
 }
 
@@ -220,19 +231,17 @@ static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacin
   q->plan = plan;
   q->bins = count / 4 > LEAST_BINS ? count / 4 : LEAST_BINS;
   q->all_bins = q->bins + 2 * (count / EM_CALENDAR_ENTRIES) + LEAST_BINS;
-  q->width = spacing > 0.0 && spacing < INFINITY ? TARGET * spacing : 1.0;
+  q->width = spacing > 0.0 && spacing < INFINITY ? target(count) * spacing : 1.0;
   q->bin = em_body_array(q->all_bins, sizeof *q->bin);
   q->entries = em_body_array(q->all_bins, sizeof *q->entries);
   q->aside = em_body_array(q->all_bins, sizeof *q->aside);
   q->later = em_body_array((size_t)count + 1, sizeof *q->later);
-  q->due = em_body_array((size_t)count + 8, sizeof *q->due);
-  q->due_time = em_body_array((size_t)count + 8, sizeof *q->due_time);
+  q->due = em_body_array((size_t)count + EM_CALENDAR_FEW, sizeof *q->due);
+  q->due_time = em_body_array((size_t)count + EM_CALENDAR_FEW, sizeof *q->due_time);
   if (!q->bin || !q->entries || !q->aside || !q->later || !q->due || !q->due_time) {
     free_queue(q);
     return NULL;
   }
-  for (size_t k = 0; k < (size_t)count + 8; k++)
-    q->due_time[k] = INFINITY;
   clear(q, 0.0);
   return q;
 }
@@ -279,22 +288,20 @@ static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
 }
 
 static size_t bytes(const struct em_queue *q) {
-  return sizeof *q + ((size_t)q->count + 8) * (sizeof *q->due + sizeof *q->due_time) +
+  return sizeof *q + ((size_t)q->count + EM_CALENDAR_FEW) * (sizeof *q->due + sizeof *q->due_time) +
          ((size_t)q->count + 1) * sizeof *q->later +
          (size_t)q->all_bins * (sizeof *q->bin + sizeof *q->entries + sizeof *q->aside);
 }
 
 static bool due_is_valid(const struct em_queue *q) {
-  for (uint32_t place = 0; place < q->due_count; place++) {
+  for (uint32_t place = 0; place < (q->few ? EM_CALENDAR_FEW : q->due_count); place++) {
     const uint32_t ball = q->due[place];
     if (q->few && !(q->standing >> place & 1)) continue;
     if (ball >= q->count || q->plan[ball].place != place || q->due_time[place] != q->plan[ball].due)
       return false;
     if (!(em_calendar_bin(q, q->plan[ball].due) < q->due_end)) return false;
   }
-  for (uint32_t place = q->due_count; place % 8 || place < 8; place++)
-    if (q->due_time[place] != INFINITY) return false;
-  return true;
+  return q->few || q->standing == 0;
 }
 
 /* Does a ball stand where it waits? */

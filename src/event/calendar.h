@@ -7,9 +7,9 @@
  * its bin, and no neighbour's.
  *
  * The few balls of the current bin are due: they stand in no order, and the earliest is looked up
- * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more. Once they
- * are few, they are taken out by clearing a bit, for what has just been written in parts could not
- * yet be read as a vector: a gain of 1.02.
+ * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more. They are
+ * taken out by clearing a bit, for what has just been written in parts could not yet be read as a
+ * vector: a gain of 1.02.
  *
  * The order of events is that of (time, ball), whatever the width of a bin. The width adapts
  * itself: when a turn was too full or too empty, when nothing was found in it, and when the bin
@@ -21,10 +21,11 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "event/lanes.h"
 #include "event/queue.h"
-#include "event/vectors.h"
 
 enum {
+  EM_CALENDAR_FEW = 16, /* due balls that are looked through by vectors */
   EM_CALENDAR_LARGE = 32,
   EM_CALENDAR_ENTRIES = 16 /* of a bin, before they are put aside */
 };
@@ -45,9 +46,9 @@ struct em_queue {
   uint32_t *aside;             /* of each bin: a full one that belongs there, too; 0: none */
   uint32_t *later;             /* balls beyond the ring, or that were */
   uint32_t *due;               /* balls of the current bin and before */
-  double *due_time;            /* INFINITY up to a multiple of eight */
+  double *due_time;
   uint32_t due_count, later_count;
-  bool few;          /* no more than eight have become due; those that still are have */
+  bool few;          /* no place beyond EM_CALENDAR_FEW is taken; those that are have */
   unsigned standing; /* their bits set */
   uint32_t count, bins, all_bins;
   uint32_t spare;    /* the first free bin behind the ring, linked by `aside`; 0: none */
@@ -62,8 +63,10 @@ struct em_queue {
 bool em_calendar_advance(struct em_queue *q);
 /* The bin was large for long: are the bins too wide? */
 void em_calendar_relieve(struct em_queue *q);
-/* Where few are due: takes those that are not any more out of the list. */
+/* From places with bits set to places side by side. */
 void em_calendar_close_up(struct em_queue *q);
+/* And back, where few are due; false: there are too many. */
+bool em_calendar_thin_out(struct em_queue *q);
 /* The first of the balls that are due, by (time, ball), where there are many. */
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
 /* A bin is full: puts its entries aside, or, where no room is left, files all balls anew; false:
@@ -87,21 +90,25 @@ static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t 
 }
 
 static inline void em_calendar_add(struct em_queue *q, uint32_t ball, double time) {
+  const uint32_t place = (uint32_t)__builtin_ctz(~q->standing);
   q->loaded++;
+  if (q->few & (place < EM_CALENDAR_FEW)) {
+    q->standing |= 1u << place;
+    em_calendar_put(q, place, ball, time);
+    return;
+  }
   if (q->few) em_calendar_close_up(q);
   em_calendar_put(q, q->due_count++, ball, time);
 }
 
 static inline void em_calendar_remove(struct em_queue *q, uint32_t place) {
+  q->plan[q->due[place]].place = EM_CALENDAR_WAITS;
   if (q->few) {
     q->standing &= ~(1u << place);
-    q->plan[q->due[place]].place = EM_CALENDAR_WAITS;
     return;
   }
-  const uint32_t last = --q->due_count, gone = q->due[place];
-  em_calendar_put(q, place, q->due[last], q->due_time[last]);
-  q->plan[gone].place = EM_CALENDAR_WAITS;
-  q->due_time[last] = INFINITY;
+  const uint32_t last = --q->due_count;
+  if (place < last) em_calendar_put(q, place, q->due[last], q->due_time[last]);
 }
 
 static inline double em_calendar_bin(const struct em_queue *q, double time) {
@@ -152,23 +159,23 @@ static inline bool em_calendar_is_over(const struct em_queue *q) {
 /* See queue.h. */
 static inline uint32_t em_calendar_first(struct em_queue *q, double *time, uint32_t *rival) {
   if (em_calendar_is_over(q) && !em_calendar_advance(q)) return EM_QUEUE_NOBODY;
-  if (!q->few) {
-    if (q->due_count > 8) return em_calendar_search(q, time, rival);
-    q->few = true;
-    q->standing = (1u << q->due_count) - 1u;
+  if (!q->few && !em_calendar_thin_out(q)) return em_calendar_search(q, time, rival);
+  vd at[EM_CALENDAR_FEW / LANES], all = vd_all(INFINITY);
+  for (int k = 0; k < EM_CALENDAR_FEW / LANES; k++) {
+    const vm in = vm_of(q->standing >> k * LANES);
+    at[k] = vd_choose(in, *(const vd *)(q->due_time + k * LANES), vd_all(INFINITY));
+    all = vd_choose(vd_below(at[k], all), at[k], all);
   }
-  const v4l low = {1, 2, 4, 8}, high = {16, 32, 64, 128}, bits = v4l_all(q->standing);
-  const v4d none = v4d_all(INFINITY);
-  const v4d a = v4d_choose((bits & low) == low, *(const v4d *)q->due_time, none);
-  const v4d b = v4d_choose((bits & high) == high, *(const v4d *)(q->due_time + 4), none);
-  const v4d all = v4d_least_of(v4d_least(a, b));
-  const unsigned here = v4l_bits(a == all) | v4l_bits(b == all) << 4;
+  *time = vd_least_of(all);
+  unsigned here = 0;
+  for (int k = 0; k < EM_CALENDAR_FEW / LANES; k++)
+    here |= vm_bits(vd_equal(at[k], vd_all(*time))) << k * LANES;
+  here &= q->standing;
   if (here & (here - 1) & ((here & (here - 1)) - 1)) {
     em_calendar_close_up(q);
     return em_calendar_search(q, time, rival);
   }
   const uint32_t i = q->due[__builtin_ctz(here)], j = q->due[31 - __builtin_clz(here)];
-  *time = all[0];
   *rival = i < j ? j : i;
   return i < j ? i : j;
 }

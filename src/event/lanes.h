@@ -44,6 +44,11 @@ static inline unsigned vm_bits(vm in) {
   return in;
 }
 
+/* The lanes whose bits are set. */
+static inline vm vm_of(unsigned bits) {
+  return (vm)bits;
+}
+
 static inline vd vd_choose(vm in, vd yes, vd no) {
   return _mm512_mask_blend_pd(in, no, yes);
 }
@@ -132,6 +137,11 @@ static inline vm vm_below(uint32_t n) {
 
 static inline unsigned vm_bits(vm in) {
   return v4l_bits(in);
+}
+
+static inline vm vm_of(unsigned bits) {
+  const v4l bit = {1, 2, 4, 8};
+  return (v4l_all(bits) & bit) == bit;
 }
 
 static inline vd vd_choose(vm in, vd yes, vd no) {
