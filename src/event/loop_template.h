@@ -211,12 +211,26 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
   return true;
 }
 
-/* --- prediction of surfaces ------------------------------------------------------------------- */
+/* --- moving on -------------------------------------------------------------------------------- */
 
-/* How far ahead contacts with surfaces matter. */
-static double FN(until)(const struct em_world *w, uint32_t i) {
-  return w->keeps_all ? w->plan[i].leave : local_least(w, i);
+static inline void FN(fly)(const struct em_world *w, struct em_body *b, double t) {
+  const double dt = t - b->t;
+  b->x = b->x + b->vx * dt, b->y = b->y + b->vy * dt, b->z = b->z + b->vz * dt;
+  if (WITH(GRAVITY)) {
+    const double h = 0.5 * dt * dt;
+    b->x = b->x + w->gravity.x * h, b->y = b->y + w->gravity.y * h, b->z = b->z + w->gravity.z * h;
+    b->vx = b->vx + w->gravity.x * dt;
+    b->vy = b->vy + w->gravity.y * dt;
+    b->vz = b->vz + w->gravity.z * dt;
+  }
+  b->t = t;
 }
+
+/* --- prediction of surfaces -------------------------------------------------------------------
+ *
+ * What a ball meets is found from its last contact on, so that it does not depend on when that is
+ * asked. That it meets nothing can be seen, mostly, from where it is now: `rest` is how long from
+ * now on contacts with surfaces matter, h how long from its last contact on. */
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
   const struct em_prediction p = {w->body[i].t + dt, code, 0};
@@ -225,18 +239,22 @@ static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, dou
 
 /* Without gravity a path is a chord, so that both its ends inside mean all inside; gravity bends it
  * by less than ½ g h². */
-static bool FN(predict_drum)(struct em_world *w, uint32_t i, double h) {
+static inline bool FN(stays_in_drum)(const struct em_world *w, const struct em_body *at,
+                                     double rest) {
+  const double rho = w->rho - at->radius;
+  const double sure = WITH(GRAVITY) ? rho - 0.5 * w->fall * rest * rest : rho, s2 = sure * sure;
+  const double qx = at->x + at->vx * rest, qz = at->z + at->vz * rest;
+  return (sure > 0.0) & (at->x * at->x + at->z * at->z < s2) & (qx * qx + qz * qz < s2);
+}
+
+static __attribute__((noinline)) bool FN(predict_drum)(struct em_world *w, uint32_t i, double h) {
   const struct em_body *b = &w->body[i];
-  const double rho = w->rho - b->radius;
-  const double sure = WITH(GRAVITY) ? rho - 0.5 * w->fall * h * h : rho;
-  const double qx = b->x + b->vx * h, qz = b->z + b->vz * h, s2 = sure * sure;
-  if (sure > 0.0 && b->x * b->x + b->z * b->z < s2 && qx * qx + qz * qz < s2) return true;
-  const uint32_t code = EM_SURFACE + EM_WALL_DRUM;
   const double gx = WITH(GRAVITY) ? w->gravity.x : 0.0, gz = WITH(GRAVITY) ? w->gravity.z : 0.0;
+  const uint32_t code = EM_SURFACE + EM_WALL_DRUM;
   const bool touched = w->plan[i].last == code;
   if (WITH(EXTRA) && w->special_drum)
     return FN(enter_surface)(w, i, code, em_body_special_drum(w, i, touched, h));
-  const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, rho, touched,
+  const double dt = em_surface_drum(b->x, b->z, b->vx, b->vz, gx, gz, w->rho - b->radius, touched,
                                     w->scene->engine.roots.quartic, h);
   return FN(enter_surface)(w, i, code, dt);
 }
@@ -255,62 +273,92 @@ static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, dou
 }
 
 /* Both walls across one axis. */
-static bool FN(predict_walls)(struct em_world *w, uint32_t i, uint32_t axis, double x, double v,
-                              double g, double low, double high, double h) {
-  const double r = w->body[i].radius, near = fabs(x - 0.5 * (low + high)) + r;
-  const double far = fabs(v) * h + (WITH(GRAVITY) ? 0.5 * fabs(g) * h * h : 0.0);
-  if ((near + far) * (1.0 + 1e-12) < 0.5 * (high - low)) return true;
+static inline bool FN(stays_between)(double x, double v, double g, double radius, double low,
+                                     double high, double rest) {
+  const double near = fabs(x - 0.5 * (low + high)) + radius;
+  const double far = fabs(v) * rest + (WITH(GRAVITY) ? 0.5 * fabs(g) * rest * rest : 0.0);
+  return (near + far) * (1.0 + 1e-12) < 0.5 * (high - low);
+}
+
+static __attribute__((noinline)) bool FN(predict_walls)(struct em_world *w, uint32_t i,
+                                                        uint32_t axis, double x, double v, double g,
+                                                        double low, double high, double h) {
+  const double r = w->body[i].radius;
   return (!w->wall[2 * axis] || FN(predict_plane)(w, i, 2 * axis, x - low - r, v, g, h)) &&
          (!w->wall[2 * axis + 1] || FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
 }
 
-/* A blade is searched only when the ball and it could close their gap by then. */
-static bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k, double h) {
+/* Can ball and blade not close their gap in time? */
+static inline bool FN(stays_off_blade)(struct em_turning *turning, const struct em_body *at,
+                                       double fall, double rest) {
+  const double speed = em_vec_norm((struct em_vec){at->vx, at->vy, at->vz}) + fall * rest;
+  const double gap = turning_gap(turning, centre(at), at->radius, at->t);
+  return gap > speed * rest + turning->swing * (fabs(at->t - turning->at) + rest);
+}
+
+static __attribute__((noinline)) bool FN(predict_blade)(struct em_world *w, uint32_t i, uint32_t k,
+                                                        double h) {
   const struct em_body *b = &w->body[i];
-  struct em_turning *turning = &w->blade[k];
-  const struct em_vec r = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
-  const double speed = em_vec_norm(v) + (WITH(GRAVITY) ? w->fall * h : 0.0);
-  const double gap = turning_gap(turning, r, b->radius, b->t);
-  if (gap > speed * h + turning->swing * (fabs(b->t - turning->at) + h)) return true;
+  const struct em_blade *blade = &w->blade[k].blade;
   const uint32_t code = EM_SURFACE_BLADE(k);
+  const struct em_vec r = centre(b), v = {b->vx, b->vy, b->vz};
   const struct em_vec g = WITH(GRAVITY) ? w->gravity : (struct em_vec){0, 0, 0};
-  unsigned steps = 0;
-  const double angle = turning->blade.angle + turning->blade.omega * b->t;
+  const double angle = blade->angle + blade->omega * b->t;
   const bool touched = w->plan[i].last == code;
-  const double dt =
-      w->special_roots
-          ? em_surface_roots_blade(&w->scene->engine.roots, &turning->blade, r, v, g, b->radius,
-                                   angle, touched, h, &steps)
-          : em_surface_blade(&turning->blade, r, v, g, b->radius, angle, touched, h, &steps);
+  unsigned steps = 0;
+  const double dt = w->special_roots
+                        ? em_surface_roots_blade(&w->scene->engine.roots, blade, r, v, g, b->radius,
+                                                 angle, touched, h, &steps)
+                        : em_surface_blade(blade, r, v, g, b->radius, angle, touched, h, &steps);
   w->tally.blade_searches++;
   w->tally.blade_steps += steps;
   return FN(enter_surface)(w, i, code, dt);
 }
 
 /* The chamber's walls. */
-static bool FN(predict_room)(struct em_world *w, uint32_t i, double h) {
+static inline bool FN(predict_room)(struct em_world *w, uint32_t i, const struct em_body *at,
+                                    double until) {
   const struct em_body *b = &w->body[i];
+  const struct em_vec g = w->gravity, low = w->low, high = w->high;
+  const double rest = until - at->t, h = until - b->t, r = at->radius;
   if (w->drum) {
-    if (!FN(predict_drum)(w, i, h)) return false;
+    if (!FN(stays_in_drum)(w, at, rest) && !FN(predict_drum)(w, i, h)) return false;
   } else if (w->walls) {
-    if (!FN(predict_walls)(w, i, 0, b->x, b->vx, w->gravity.x, w->low.x, w->high.x, h) ||
-        !FN(predict_walls)(w, i, 2, b->z, b->vz, w->gravity.z, w->low.z, w->high.z, h))
+    if (!FN(stays_between)(at->x, at->vx, g.x, r, low.x, high.x, rest) &&
+        !FN(predict_walls)(w, i, 0, b->x, b->vx, g.x, low.x, high.x, h))
+      return false;
+    if (!FN(stays_between)(at->z, at->vz, g.z, r, low.z, high.z, rest) &&
+        !FN(predict_walls)(w, i, 2, b->z, b->vz, g.z, low.z, high.z, h))
       return false;
   }
-  return !w->walls || FN(predict_walls)(w, i, 1, b->y, b->vy, w->gravity.y, w->low.y, w->high.y, h);
+  return !w->walls || FN(stays_between)(at->y, at->vy, g.y, r, low.y, high.y, rest) ||
+         FN(predict_walls)(w, i, 1, b->y, b->vy, g.y, low.y, high.y, h);
+}
+
+static double FN(until)(const struct em_world *w, uint32_t i) {
+  return w->keeps_all ? w->plan[i].leave : local_least(w, i);
+}
+
+static inline bool FN(meet_blade)(struct em_world *w, uint32_t i, const struct em_body *at,
+                                  uint32_t k) {
+  const double until = FN(until)(w, i);
+  return FN(stays_off_blade)(&w->blade[k], at, WITH(GRAVITY) ? w->fall : 0.0, until - at->t) ||
+         FN(predict_blade)(w, i, k, until - w->body[i].t);
 }
 
 /* Predicts the contacts of ball i with surfaces, as far as they can matter before it leaves its
- * place or meets another ball. */
-static bool FN(predict_surfaces)(struct em_world *w, uint32_t i) {
+ * place or meets another ball; it has met none before `now`. */
+static bool FN(predict_surfaces)(struct em_world *w, uint32_t i, double now) {
   const uint32_t near = w->plan[i].near;
-  if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, FN(until)(w, i) - w->body[i].t)) return false;
-  if (!WITH(ROTOR) || !(near & ~EM_NEAR_WALL)) return true;
-  const double h = FN(until)(w, i) - w->body[i].t;
+  if (!near) return true;
+  struct em_body at = w->body[i];
+  FN(fly)(w, &at, now);
+  if (near & EM_NEAR_WALL && !FN(predict_room)(w, i, &at, FN(until)(w, i))) return false;
+  if (!WITH(ROTOR)) return true;
   for (uint32_t left = near & w->few_blades; left; left &= left - 1)
-    if (!FN(predict_blade)(w, i, (uint32_t)__builtin_ctz(left), h)) return false;
+    if (!FN(meet_blade)(w, i, &at, (uint32_t)__builtin_ctz(left))) return false;
   for (uint32_t k = EM_NEAR_MANY; near & EM_NEAR_BLADE(k) && k < w->blade_count; k++)
-    if (!FN(predict_blade)(w, i, k, h)) return false;
+    if (!FN(meet_blade)(w, i, &at, k)) return false;
   return true;
 }
 
@@ -319,8 +367,8 @@ static void FN(schedule)(struct em_world *w, uint32_t i) {
 }
 
 /* After its contacts with balls: predicts those of ball i with surfaces, and files the earliest. */
-static bool FN(settle)(struct em_world *w, uint32_t i) {
-  if (!FN(predict_surfaces)(w, i)) return false;
+static bool FN(settle)(struct em_world *w, uint32_t i, double now) {
+  if (!FN(predict_surfaces)(w, i, now)) return false;
   FN(schedule)(w, i);
   return true;
 }
@@ -330,7 +378,7 @@ static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
   uint32_t n;
   const uint32_t *id = candidates(w, i, 0, &n);
   w->tally.predictions++;
-  return FN(predict_pairs)(w, i, id, n, now, true) && FN(settle)(w, i);
+  return FN(predict_pairs)(w, i, id, n, now, true) && FN(settle)(w, i, now);
 }
 
 /* Predicts all events of two balls that have just met. The processor works on the roots of one
@@ -346,7 +394,7 @@ static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32
   const struct FN(earliest) b = FN(earliest_of)(w, j, id_j, m, now, true);
   w->plan[i].first = FN(choose)(w, i, id_i, n, now, &a);
   w->plan[j].first = FN(choose)(w, j, id_j, m, now, &b);
-  return FN(settle)(w, i) && FN(settle)(w, j);
+  return FN(settle)(w, i, now) && FN(settle)(w, j, now);
 }
 
 static bool FN(predict_all)(struct em_world *w) {
@@ -365,21 +413,12 @@ static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {
 
 static void FN(advance)(struct em_world *w, uint32_t i, double t) {
   struct em_body *b = &w->body[i];
-  const double dt = t - b->t;
-  b->x = b->x + b->vx * dt, b->y = b->y + b->vy * dt, b->z = b->z + b->vz * dt;
-  if (WITH(GRAVITY)) {
-    const double h = 0.5 * dt * dt;
-    b->x = b->x + w->gravity.x * h, b->y = b->y + w->gravity.y * h, b->z = b->z + w->gravity.z * h;
-    b->vx = b->vx + w->gravity.x * dt;
-    b->vy = b->vy + w->gravity.y * dt;
-    b->vz = b->vz + w->gravity.z * dt;
-  }
+  FN(fly)(w, b, t);
   if (WITH(PERIODIC)) {
     b->x = wrap(b->x, w->low.x, w->period.x);
     b->y = wrap(b->y, w->low.y, w->period.y);
     b->z = wrap(b->z, w->low.z, w->period.z);
   }
-  b->t = t;
 }
 
 /* By division: m (1/m) is not 1, and that error, the same at each contact, would add up. */
@@ -427,10 +466,8 @@ static double FN(since)(const struct em_world *w, uint32_t i, double t) {
 
 static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t j, double t,
                                        struct em_error *err) {
-  if (j < i) {
-    const uint32_t swap = i;
-    i = j, j = swap;
-  }
+  const uint32_t low = i < j ? i : j, high = i ^ j ^ low;
+  i = low, j = high;
   const uint32_t si = FN(streak)(w, i, t), sj = FN(streak)(w, j, t);
   if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
     return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
@@ -587,7 +624,7 @@ static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
                                 : w->partition_kind->cross(w, i, now, &n);
   w->tally.transfers++;
   if (!id && n) return false;
-  return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i);
+  return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i, now);
 }
 
 /* Takes a stale prediction of ball i out. */
@@ -602,11 +639,13 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
 /* Several balls move on at once from their cells; their candidates are tested together. */
 static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, double now) {
   struct em_places *p = w->places;
+  double leave[EM_BLOCKS_MANY];
   uint32_t all = 0;
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
     const unsigned exit = p->plan[i].exit;
-    if (!em_blocks_step(w, i, p->plan[i].leave, WITH(GRAVITY), WITH(PERIODIC))) return false;
+    leave[k] = p->plan[i].leave;
+    if (!em_blocks_step(w, i, leave[k], WITH(GRAVITY), WITH(PERIODIC))) return false;
     const uint32_t end = (uint32_t)(em_blocks_new(p, i, exit, p->found + all) - p->found);
     for (; all < end; all += 8)
       *(v8iu *)(p->finder + all) = (v8iu){0} + (int32_t)i;
@@ -615,7 +654,7 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
   w->tally.transfers += n;
   FN(predict_mixed)(w, p->finder, p->found, all, now);
   for (uint32_t k = 0; k < n; k++)
-    if (!FN(settle)(w, ball[k])) return false;
+    if (!FN(settle)(w, ball[k], leave[k])) return false;
   return true;
 }
 
