@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "event/fetch.h"
 #include "event/pack.h"
 #include "event/partition.h"
 #include "event/span.h"
@@ -363,11 +364,11 @@ static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool le
   if (leaves && here->exit != EM_BLOCKS_STAYS) { /* out of one cell, into the other */
     uint16_t next[3];
     em_blocks_next(p, i, next);
-    __builtin_prefetch(slot);
-    __builtin_prefetch(em_blocks_slot(p, next));
+    em_fetch(slot);
+    em_fetch(em_blocks_slot(p, next));
     const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
     for (int k = 0; k < 9; k++)
-      __builtin_prefetch(s.slot + s.u[k % 3] + s.v[k / 3]);
+      em_fetch(s.slot + s.u[k % 3] + s.v[k / 3]);
     return;
   }
   ptrdiff_t y[3], z[3];
@@ -375,8 +376,8 @@ static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool le
   em_blocks_pitch(p, 2, here->cell, z);
   for (int k = 0; k < 9; k++) {
     const uint32_t *row = slot + y[k % 3] + z[k / 3];
-    __builtin_prefetch(row - p->room);
-    __builtin_prefetch(row + 2 * p->room - 1);
+    em_fetch(row - p->room);
+    em_fetch(row + 2 * p->room - 1);
   }
 }
 
@@ -394,7 +395,7 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
     end = em_blocks_around(p, i, p->found);
   }
   for (const uint32_t *id = p->found; id < end; id++)
-    __builtin_prefetch(&w->body[*id]);
+    em_fetch(&w->body[*id]);
 }
 
 #endif

@@ -21,6 +21,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "event/fetch.h"
 #include "event/lanes.h"
 #include "event/queue.h"
 
@@ -80,7 +81,7 @@ uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ba
 
 /* Asks memory for that bin. */
 static inline void em_calendar_fetch(const struct em_queue *q, uint32_t ahead) {
-  __builtin_prefetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
+  em_fetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
 }
 
 static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t ball, double time) {

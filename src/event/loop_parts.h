@@ -9,6 +9,7 @@
 #include "event/body.h"
 #include "event/calendar.h"
 #include "event/collapse.h"
+#include "event/fetch.h"
 #include "event/lanes.h"
 #include "event/local_first.h"
 #include "event/partition.h"
@@ -71,9 +72,9 @@ enum { FORESEEN = EM_BLOCKS_MANY }; /* balls of a bin */
 
 /* Asks memory for all that stands at the number of a ball. */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {
-  __builtin_prefetch(&w->body[i]);
-  __builtin_prefetch(&w->plan[i]);
-  __builtin_prefetch(&w->counter[i]);
+  em_fetch(&w->body[i]);
+  em_fetch(&w->plan[i]);
+  em_fetch(&w->counter[i]);
   if (!w->cells) w->partition_kind->fetch(w, i, false, false);
 }
 
@@ -89,7 +90,7 @@ static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves)
     if (leaves)
       w->partition_kind->fetch(w, id[h], false, false);
     else
-      __builtin_prefetch(&w->body[id[h]]);
+      em_fetch(&w->body[id[h]]);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "event/fetch.h"
 #include "event/partition.h"
 #include "event/shells.h"
 #include "event/vectors.h"
@@ -352,12 +353,12 @@ static void moved(struct em_world *w, uint32_t i) {
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
   const struct em_places *p = w->places;
   if (!beyond) {
-    __builtin_prefetch(&p->list[i]);
-    __builtin_prefetch(&p->shell[i]);
-    __builtin_prefetch(&p->shells.cell[i]);
+    em_fetch(&p->list[i]);
+    em_fetch(&p->shell[i]);
+    em_fetch(&p->shells.cell[i]);
     return;
   }
-  __builtin_prefetch(p->pool + p->list[i].at);
+  em_fetch(p->pool + p->list[i].at);
   if (leaves) em_shells_fetch(&p->shells, p->shell[i].centre, hull_of(w, i));
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "event/body.h"
+#include "event/fetch.h"
 
 /* Shells per cell, where these are not too small for it: eight are looked at in one go. */
 #define PER_CELL 3.0
@@ -173,8 +174,8 @@ void em_shells_fetch(const struct em_shells *s, const float centre[3], float hul
       for (int a = 0; a < rx.count; a++) {
         const float *e = s->block + (size_t)(line + rx.cell[a]) * size;
         for (size_t k = 0; k < size; k += 16)
-          __builtin_prefetch(e + k);
-        __builtin_prefetch(&s->held[line + rx.cell[a]]);
+          em_fetch(e + k);
+        em_fetch(&s->held[line + rx.cell[a]]);
       }
     }
 }
