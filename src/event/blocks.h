@@ -19,7 +19,8 @@
 #define EM_BLOCKS_EMPTY UINT32_MAX /* what a slot without a ball holds */
 
 enum {
-  EM_BLOCKS_ROOM = 4,    /* least slots of a cell, doubled when one is full */
+  EM_BLOCKS_ROOM = 4,    /* least slots of a cell */
+  EM_BLOCKS_MORE = 8,    /* balls that their cells may have no room for, before it is doubled */
   EM_BLOCKS_BEYOND = 16, /* places written behind candidates */
   EM_BLOCKS_MANY = 32,   /* balls that may move on together */
   EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
@@ -46,6 +47,7 @@ struct em_places {
   size_t cells;
   uint32_t room, room_bits; /* slots of a cell: 1 << room_bits */
   uint32_t *slot;
+  uint32_t more[EM_BLOCKS_MORE], more_count; /* balls without a slot: candidates of all */
   uint32_t *near; /* surfaces near each cell; NULL where there are none */
   double slack;   /* m */
   double room_m;  /* m, of the sphere in which a ball stays too; INFINITY: none is needed */
@@ -56,6 +58,10 @@ struct em_places {
 
 /* Doubles the room of every cell; false: no memory. */
 bool em_partition_cells_widen(struct em_places *places);
+/* Balls that their cells have no room for: appends them, but ball `self`, and returns the end;
+ * takes one out. */
+uint32_t *em_partition_cells_more(const struct em_places *places, uint32_t self, uint32_t *end);
+void em_partition_cells_no_more(struct em_places *places, uint32_t ball);
 
 /* The first slot of a cell. */
 static inline uint32_t *em_blocks_slot(const struct em_places *p, const uint16_t at[3]) {
@@ -159,14 +165,25 @@ static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16
 static inline bool em_blocks_enter(struct em_places *p, uint32_t i) {
   const uint16_t *at = p->plan[i].cell;
   const uint32_t k = em_blocks_slot_of(p, at, EM_BLOCKS_EMPTY);
-  if (k == p->room && !em_partition_cells_widen(p)) return false;
+  if (__builtin_expect(k == p->room, 0)) {
+    if (p->more_count < EM_BLOCKS_MORE) {
+      p->more[p->more_count++] = i;
+      return true;
+    }
+    if (!em_partition_cells_widen(p)) return false;
+  }
   em_blocks_put(p, at, k, i);
   return true;
 }
 
 static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
   const uint16_t *at = p->plan[i].cell;
-  em_blocks_put(p, at, em_blocks_slot_of(p, at, i), EM_BLOCKS_EMPTY);
+  const uint32_t k = em_blocks_slot_of(p, at, i);
+  if (__builtin_expect(k < p->room, 1)) {
+    em_blocks_put(p, at, k, EM_BLOCKS_EMPTY);
+    return;
+  }
+  em_partition_cells_no_more(p, i);
 }
 
 /* Twelve slots, four each at three places (em_blocks_three) or twelve at one (em_blocks_row), of
@@ -238,6 +255,13 @@ static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t self, ui
 
 #endif
 
+/* Appends the balls without a slot, and behind their end, which it returns, any balls. */
+static inline uint32_t *em_blocks_end(const struct em_places *p, uint32_t self, uint32_t *end) {
+  if (__builtin_expect(p->more_count, 0)) end = em_partition_cells_more(p, self, end);
+  memset(end, 0, 8 * sizeof *end);
+  return end;
+}
+
 /* How far it is, in slots, from a cell to the one below, to itself, and to the one above along an
  * axis. */
 static inline void em_blocks_pitch(const struct em_places *p, int axis, const uint16_t at[3],
@@ -260,8 +284,7 @@ static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, 
 #pragma GCC unroll 9
     for (int k = 0; k < 9; k++)
       end = em_blocks_append(em_blocks_row(slot + z[k / 3] + y[k % 3] + s), i, end);
-  memset(end, 0, 8 * sizeof *end);
-  return end;
+  return em_blocks_end(p, i, end);
 }
 
 /* The cell that ball i enters when it leaves its own. */
@@ -291,9 +314,9 @@ static inline struct em_blocks_slab em_blocks_beyond(const struct em_places *p,
   return s;
 }
 
-/* Appends their balls, and any balls behind them. */
+/* Appends their balls, but ball i, and any balls behind them. */
 static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct em_blocks_slab *s,
-                                       uint32_t *end) {
+                                       uint32_t i, uint32_t *end) {
   for (uint32_t h = 0; h < p->room; h += EM_BLOCKS_ROOM)
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
@@ -301,8 +324,7 @@ static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct e
       end = em_blocks_append(em_blocks_three(here + s->u[0], here, here + s->u[2]), EM_BLOCKS_EMPTY,
                              end);
     }
-  memset(end, 0, 8 * sizeof *end);
-  return end;
+  return em_blocks_end(p, i, end);
 }
 
 /* --- see partition.h -------------------------------------------------------------------------- */
@@ -343,7 +365,7 @@ static inline uint32_t *em_blocks_new(const struct em_places *p, uint32_t i, uns
   if (p->centre) return em_blocks_around(p, i, end);
   if (exit == EM_BLOCKS_STAYS) return end;
   const struct em_blocks_slab s = em_blocks_beyond(p, p->plan[i].cell, exit);
-  return em_blocks_nine(p, &s, end);
+  return em_blocks_nine(p, &s, i, end);
 }
 
 static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, double now,
@@ -390,7 +412,7 @@ static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool le
     uint16_t next[3];
     em_blocks_next(p, i, next);
     const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
-    end = em_blocks_nine(p, &s, p->found);
+    end = em_blocks_nine(p, &s, i, p->found);
   } else {
     end = em_blocks_around(p, i, p->found);
   }

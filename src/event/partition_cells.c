@@ -5,12 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least edge, of the mean distance of balls: in gases a ball crosses less often; a rotor has the
- * balls crowd where it throws them. Measured. */
-#define CROWD_GAS  0.7
-#define CROWD_MILL 0.6
-#define WIDER      1.001 /* than a ball: what lets balls be moved on early */
-#define FAR        1e100 /* m: the border of a closed end, which no ball reaches */
+#define CROWD 0.6   /* of the mean distance of balls: the least edge; measured */
+#define WIDER 1.001 /* than a ball: what lets balls be moved on early */
+#define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
 
@@ -20,9 +17,9 @@ static void split(struct em_vec a, double part[3]) {
   part[2] = a.z;
 }
 
-/* Candidates for each slot of a cell: of EM_BLOCKS_MANY balls from 9 cells, or of two from 27. */
+/* Candidates of EM_BLOCKS_MANY balls from 9 cells, or of two from 27. */
 static size_t found_room(size_t room) {
-  return 9 * EM_BLOCKS_MANY * room + EM_BLOCKS_BEYOND;
+  return (9 * room + EM_BLOCKS_MORE) * EM_BLOCKS_MANY + EM_BLOCKS_BEYOND;
 }
 
 bool em_partition_cells_widen(struct em_places *p) {
@@ -56,6 +53,21 @@ bool em_partition_cells_widen(struct em_places *p) {
   p->room = (uint32_t)room;
   p->room_bits = (uint32_t)__builtin_ctz(p->room);
   return true;
+}
+
+uint32_t *em_partition_cells_more(const struct em_places *p, uint32_t self, uint32_t *end) {
+  for (uint32_t k = 0; k < p->more_count; k++) {
+    *end = p->more[k];
+    end += p->more[k] != self;
+  }
+  return end;
+}
+
+void em_partition_cells_no_more(struct em_places *p, uint32_t ball) {
+  uint32_t k = 0;
+  while (p->more[k] != ball)
+    k++;
+  p->more[k] = p->more[--p->more_count];
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
@@ -100,8 +112,7 @@ static void set_cells(struct em_world *w, struct em_places *p) {
   p->turned = (v4d){w->gravity.x, w->gravity.y, w->gravity.z} > v4d_all(0.0);
   p->slack = 1e-6 * w->largest;
   const double each = em_scene_volume(w->scene) / fmax(1.0, w->count);
-  const double crowd = w->blade_count ? CROWD_MILL : CROWD_GAS;
-  double edge = fmax(WIDER * 2.0 * w->largest, crowd * cbrt(each));
+  double edge = fmax(WIDER * 2.0 * w->largest, CROWD * cbrt(each));
   const double most = 8.0 * w->count + 64.0;
   while (fmax(1.0, extent[0] / edge) * fmax(1.0, extent[1] / edge) * fmax(1.0, extent[2] / edge) >
          most)
@@ -239,18 +250,28 @@ static size_t bytes(const struct em_places *p) {
   return sizeof *p + p->count * each + p->cells * cell + 2 * found_room(p->room) * sizeof *p->found;
 }
 
-/* Every ball is in its cell, and nothing else is anywhere but images beyond the ends of rows. */
+static bool has_no_slot(const struct em_places *p, uint32_t i) {
+  for (uint32_t k = 0; k < p->more_count; k++)
+    if (p->more[k] == i) return true;
+  return false;
+}
+
+/* Every ball is in its cell, or among those without a slot, and nothing else is anywhere but images
+ * beyond the ends of rows. */
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
   const struct em_blocks_axis *x = &p->axis[0];
-  size_t sum = 0, held = 0;
+  size_t sum = 0, held = p->more_count;
   for (size_t k = 0; k < p->cells * p->room; k++)
     held += p->slot[k] != EM_BLOCKS_EMPTY;
   for (uint32_t i = 0; i < p->count; i++) {
     const uint16_t *at = p->plan[i].cell;
     const uint32_t k = em_blocks_slot_of(p, at, i);
-    if (k == p->room) return false;
     sum++;
+    if (k == p->room) {
+      if (!has_no_slot(p, i)) return false;
+      continue;
+    }
     const uint32_t *slot = em_blocks_slot(p, at) + k;
     if (x->period > 0.0 && at[0] == 1) sum += slot[(size_t)x->n * p->room] == i;
     if (x->period > 0.0 && at[0] == x->n) sum += *(slot - (size_t)x->n * p->room) == i;
