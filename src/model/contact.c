@@ -147,23 +147,13 @@ static double tangential_share(const struct em_contact_law *law, double m_eff, d
   return 0.0;
 }
 
-/* |e|² − 1, which rounding leaves in a unit vector, to well below 1e-16: squares of the leading
- * halves are exact. Left uncorrected it is a bias at contacts of one and the same distance, and the
- * energy of an elastic gas grows by 3e-16 of a ball's with each contact. */
-static double length_excess(struct em_vec e) {
-  const double x = (double)(float)e.x, y = (double)(float)e.y, z = (double)(float)e.z;
-  const double lead = ((x * x - 1.0) + y * y) + z * z;
-  return lead + ((e.x - x) * (e.x + x) + (e.y - y) * (e.y + y) + (e.z - z) * (e.z + z));
-}
-
 struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_eff,
                                      struct em_vec e, struct em_vec g, bool frictionless,
                                      bool elastic) {
   const double gn = em_vec_dot(g, e);
   const struct em_vec gt = em_vec_axpy(g, -gn, e);
   struct em_impulse impulse = {.vn = gn < 0.0 ? -gn : 0.0, .vt = em_vec_norm(gt)};
-  const double epsilon = elastic ? 1.0 : em_contact_restitution(&law->normal, impulse.vn);
-  const double raw = (1.0 + epsilon) * m_eff * impulse.vn, pn = raw - raw * length_excess(e);
+  const double pn = em_contact_push(&law->normal, m_eff, e, impulse.vn, elastic);
   impulse.normal = em_vec_scale(pn, e);
   if (!frictionless)
     impulse.tangential = em_vec_scale(-tangential_share(law, m_eff, pn, impulse.vt), gt);
