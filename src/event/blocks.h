@@ -126,7 +126,7 @@ static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, 
   if (p->centre || w->blade_count) {
     const double cap =
         p->centre ? em_partition_stay(w, i, from, p->centre[i], p->room_m) : INFINITY;
-    const double most = fmin(cap, em_span_limit(w, from));
+    const double most = em_lesser(cap, em_span_limit(w, from));
     if (most < leave) here->exit = EM_BLOCKS_STAYS, leave = most;
   }
   w->plan[i].leave = leave;

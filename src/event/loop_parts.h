@@ -202,7 +202,7 @@ static inline double turning_gap(struct em_turning *b, struct em_vec r, double r
   const double axial = em_vec_dot(q, b->blade.axis);
   const double along = q1 * b->cos + q3 * b->sin, off = q3 * b->cos - q1 * b->sin;
   const double side = sqrt(off * off + axial * axial) - b->blade.radius;
-  return (fmax(fabs(along) - b->blade.reach, side) - radius) - 1e-9 * b->hull;
+  return (em_greater(fabs(along) - b->blade.reach, side) - radius) - 1e-9 * b->hull;
 }
 
 /* --- order ------------------------------------------------------------------------------------ */

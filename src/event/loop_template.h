@@ -485,7 +485,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
   if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
     return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
   double since = INFINITY;
-  if (WITH(EXTRA)) since = fmin(FN(since)(w, i, t), FN(since)(w, j, t));
+  if (WITH(EXTRA)) since = em_lesser(FN(since)(w, i, t), FN(since)(w, j, t));
   FN(advance)(w, i, t);
   FN(advance)(w, j, t);
   const struct em_body *a = &w->body[i], *b = &w->body[j];

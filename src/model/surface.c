@@ -83,7 +83,7 @@ static double drum_straight(double q0, double b, double a, bool touched) {
 static bool is_far(const double *q, int degree, double horizon) {
   const double h = horizon, q3 = q[3], q4 = degree == 4 ? q[4] : 0.0;
   const double end = 2.0 * q[2] + h * (6.0 * q3 + h * 12.0 * q4);
-  const double bend = fmax(fmax(2.0 * q[2], end), 0.0);
+  const double bend = em_greater(em_greater(2.0 * q[2], end), 0.0);
   const double size = h * (fabs(q[1]) + h * (fabs(q[2]) + h * (fabs(q3) + h * fabs(q4)))) - q[0];
   return q[0] < 0.0 && q[0] + h * (q[1] + 0.5 * bend * h) < -1e-14 * size;
 }
@@ -129,7 +129,7 @@ static inline __attribute__((always_inline)) double safe(const double *q, int de
     const struct jet here = jet_at(a, t);
     if (here.value >= (floor > 0.0 ? -floor / (degree == 4 ? 1.0 : t) : 0.0) && step > 0) return t;
     const double rest = end.bend - here.bend;
-    const double bend = fmax(here.bend + fmax(rest, 0.0) / 3.0, 0.0);
+    const double bend = em_greater(here.bend + em_greater(rest, 0.0) / 3.0, 0.0);
     const double root = sqrt(here.slope * here.slope - 2.0 * bend * here.value);
     const double s =
         here.slope > 0.0 ? -2.0 * here.value / (here.slope + root) : (root - here.slope) / bend;
@@ -154,7 +154,7 @@ static double newton(const double *q, int degree, double x) {
     slope = slope * x + value;
     value = value * x + q[k];
   }
-  return slope > 0.0 ? fmax(x - value / slope, 0.0) : INFINITY;
+  return slope > 0.0 ? em_greater(x - value / slope, 0.0) : INFINITY;
 }
 
 /* Is q(x) zero up to rounding? */
@@ -173,10 +173,10 @@ static int closed_form(const double *q, int degree, double guess, double root[4]
   double high = fabs(q[degree]), middle = 0.0, scale = 1.0;
   for (int k = 1; k < degree; k++) {
     scale *= guess;
-    middle = fmax(middle, fabs(q[k]) * scale);
+    middle = em_greater(middle, fabs(q[k]) * scale);
   }
   high *= scale * guess;
-  *small = fmax(fabs(q[0]), high) < 1e-3 * middle;
+  *small = em_greater(fabs(q[0]), high) < 1e-3 * middle;
   double a[5];
   const bool turn = fabs(q[0]) > high;
   for (int k = 0; k <= degree; k++)
@@ -195,7 +195,7 @@ static double ferrari_newton(const double *q, int degree, double guess) {
   const int count = closed_form(q, degree, guess, root, &small);
   if (small) return em_poly_first_rise(q, degree);
   for (int k = 0; k < count; k++)
-    if (root[k] > 0.0 && root[k] < best) best = fmin(best, newton(q, degree, root[k]));
+    if (root[k] > 0.0 && root[k] < best) best = em_lesser(best, newton(q, degree, root[k]));
   const bool sound = best < INFINITY && is_root(q, degree, best);
   if (!sound) return em_poly_first_rise(q, degree);
   /* Close to the wall, moving out: the closed form has no digits left of a root so small. */
@@ -266,7 +266,7 @@ static inline __attribute__((always_inline)) double drum(double px, double pz, d
   const double q[5] = {q0, 2.0 * b, v2 + (px * gx + pz * gz), vx * gx + vz * gz, 0.25 * g2};
   if ((touched || q0 >= 0.0) && b > 0.0) return 0.0;
   /* Without gravity the ball would be out by then; with it alone, by the other. */
-  const double guess = 1.2 * fmin(2.0 * rho / sqrt(v2), 2.0 * sqrt(rho / sqrt(g2)));
+  const double guess = 1.2 * em_lesser(2.0 * rho / sqrt(v2), 2.0 * sqrt(rho / sqrt(g2)));
   const double floor = 2.0 * rho * tolerance;
   double t;
   if (touched)

@@ -154,13 +154,13 @@ static double inside_step(const struct search *s, const struct place *p, const s
   const double r = p->r > s->bound ? p->r : s->bound;
   const double drift = sqrt(width * s->fall);
   const double u = p->speed + drift + omega * (r + width), w = fabs(p->dy) + drift;
-  const double value = fmin((q->rho - width) * (q->rho + width), 0.0);
+  const double value = em_lesser((q->rho - width) * (q->rho + width), 0.0);
   const double rate = 2.0 * q->rho * q->drho, curve = 2.0 * (u * u + w * w + width * bend);
   const double root = sqrt(rate * rate - 2.0 * curve * value);
   const double step = rate > 0.0    ? -2.0 * value / (rate + root)
                       : curve > 0.0 ? (root - rate) / curve
                                     : INFINITY;
-  return s->fall > 0.0 ? fmin(step, sqrt(width / s->fall)) : step;
+  return s->fall > 0.0 ? em_lesser(step, sqrt(width / s->fall)) : step;
 }
 
 /* A ball that is slower than rounding over half a turn: the time until it has moved by that. */
@@ -186,7 +186,7 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
   double t = 0.0, mark = 0.0;
   bool inside = false;
   struct place p = place_at(s, t);
-  const double limit = fmin(horizon < INFINITY ? horizon : gone(s, &p), DBL_MAX);
+  const double limit = em_lesser(horizon < INFINITY ? horizon : gone(s, &p), DBL_MAX);
   /* Rounding of the angle comes on top of that of the place. */
   const double turned = fabs(s->angle) + fabs(s->omega) * limit;
   const double doubt = s->tolerance + 4.0 * DBL_EPSILON * turned * s->bound;
@@ -229,9 +229,9 @@ static double walk(const struct search *s, bool touched, double horizon, unsigne
       if (step < least) step = least;
     }
     if (step > cap) step = cap;
-    if (outer.value > 0.0) step = fmax(step, safe_step(outer.value, outer.rate, s->fall));
+    if (outer.value > 0.0) step = em_greater(step, safe_step(outer.value, outer.rate, s->fall));
     if (t + step - mark > half) {
-      step = fmax(step, idle_step(s, &p));
+      step = em_greater(step, idle_step(s, &p));
       mark = t;
     }
     const double next = t + step;
@@ -290,7 +290,7 @@ double em_surface_blade_within(const struct em_blade *blade, struct em_vec r, st
                                double horizon, double tolerance, unsigned *steps) {
   if (is_aside(blade, r, v, g, radius, horizon)) return INFINITY;
   struct search s = prepare(blade, r, radius, angle);
-  s.tolerance = fmax(s.tolerance, tolerance);
+  s.tolerance = em_greater(s.tolerance, tolerance);
   set_motion(&s, blade, v, g);
   unsigned count = 0;
   const double t = walk(&s, touched, horizon, &count);
@@ -323,8 +323,8 @@ static void slice_times(const struct search *s, double horizon, double *from, do
     return;
   }
   const double t1 = (-wide - s->py) / s->vy, t2 = (wide - s->py) / s->vy;
-  *from = fmax(*from, fmin(t1, t2));
-  *to = fmin(*to, fmax(t1, t2));
+  *from = em_greater(*from, em_lesser(t1, t2));
+  *to = em_lesser(*to, em_greater(t1, t2));
 }
 
 double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, struct em_vec v,
@@ -334,14 +334,14 @@ double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, str
   set_motion(&s, blade, v, g);
   const struct place start = place_at(&s, 0.0);
   double from, to, x;
-  slice_times(&s, fmin(horizon, gone(&s, &start)), &from, &to);
+  slice_times(&s, em_lesser(horizon, gone(&s, &start)), &from, &to);
   const double least = step * 2.0 * radius / (em_vec_norm(v) + fabs(s.omega) * s.reach);
   if (!(from <= to) || !(least > 0.0) || !(to < INFINITY)) return INFINITY;
   struct gap f = endless(&s, from, &x);
   double t = from, dt = least;
   unsigned count = 1;
   while (t < to) {
-    const double next = fmin(t + dt, to);
+    const double next = em_lesser(t + dt, to);
     const struct gap g1 = endless(&s, next, &x);
     count++;
     /* Out of the bar: it was inside by a fault of its place, and is let go. */
@@ -357,7 +357,7 @@ double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, str
       if (steps != NULL) *steps += count;
       return root > 0.0 && root <= horizon && x <= s.reach ? root : INFINITY;
     }
-    dt = g1.value > f.value ? fmin(2.0 * dt, 8.0 * least) : fmax(0.5 * dt, least);
+    dt = g1.value > f.value ? em_lesser(2.0 * dt, 8.0 * least) : em_greater(0.5 * dt, least);
     t = next;
     f = g1;
     if (next >= to) break;
