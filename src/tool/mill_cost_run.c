@@ -10,8 +10,9 @@
 
 /* A run goes in so many stretches, each of which is timed. */
 enum { STRETCHES = 64 };
-/* Where one run is so much slower than the other, a second turn would tell nothing new. */
+/* Where one run is so much slower than the other, few turns tell enough. */
 static const double PLAIN = 4.0;
+enum { FEW_TURNS = 3 };
 /* s of computing, by default: of a variant's run; of the scene as it is, for the statistics. */
 static const double RUN = 0.3, LONG_RUN = 4.0;
 
@@ -218,7 +219,7 @@ static enum em_status compare(struct em_cost *cost, const struct em_scene *scene
     bad = turn(p, turns, &ratio[turns]);
     if (bad == RUNS && turns == 0) take_figures(p, result);
     end_turn(p);
-    if (bad == RUNS && ratio[turns++] > PLAIN) break;
+    if (bad == RUNS && ratio[turns++] > PLAIN && turns >= FEW_TURNS) break;
   }
   enum em_status status = EM_OK;
   if (bad == RUNS) {
