@@ -20,7 +20,7 @@
 
 enum {
   EM_BLOCKS_ROOM = 4,    /* least slots of a cell */
-  EM_BLOCKS_MORE = 8,    /* balls that their cells may have no room for, before it is doubled */
+  EM_BLOCKS_MORE = 8,    /* balls that their cells may have no room for, before all are widened */
   EM_BLOCKS_BEYOND = 16, /* places written behind candidates */
   EM_BLOCKS_MANY = 32,   /* balls that may move on together */
   EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
