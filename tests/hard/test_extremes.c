@@ -78,10 +78,12 @@ static void just_fits(void **state) {
     static const double spare[] = {1e-4, 1e-8, 1e-12, 1e-15};
     char overrides[128];
     snprintf(overrides, sizeof overrides, "chamber.length=%.17g", 0.005 + spare[k]);
-    worst = fmax(worst, run(BOX "chamber={shape=\"drum\";diameter=0.1;length=0.006;};"
-                                "balls={diameter=0.005;start=\"table\";table=((0.0,"
-                                "0.0025,0.0,1.0,1e-6,0.3),(0.02,0.0025,0.0,-0.2,1e-6,0.3));};",
-                            overrides, n, 0.005, NULL));
+    worst =
+        fmax(worst, run(BOX "chamber={shape=\"drum\";diameter=0.1;length=0.006;};"
+                            "balls={diameter=0.005;start=\"table\";table=((0.0,"
+                            "0.0025,0.0,1.0,1e-6,0.3),(0.02,0.0025,0.0,-0.2,1e-6,0.3));};"
+                            "remedy={collapse_after=2000000000;};", /* they do touch that often */
+                        overrides, n, 0.005, NULL));
   }
   assert_true(worst < 1e-11);
   hard_row("balls just fit", "1e-15…1e-4 m of play between the end walls", 4.0 * (double)n,
