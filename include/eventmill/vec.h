@@ -1,5 +1,5 @@
-/* Three-dimensional vectors, by value, and the lesser and greater of two numbers. The order of every
- * sum is fixed: results are reproducible. */
+/* Three-dimensional vectors, by value, and the lesser and greater of two numbers. The order of
+ * every sum is fixed: results are reproducible. */
 #ifndef EVENTMILL_VEC_H
 #define EVENTMILL_VEC_H
 

@@ -44,10 +44,8 @@ struct em_world {
   uint32_t count;
   struct em_body *body;
   struct em_plan *plan;
-  uint32_t *counter;   /* real events of each ball so far; wraps, compared for equality only; apart
-                          from the rest, for whoever predicts a contact reads the partner's */
-  struct em_vec *spin; /* rad/s; NULL when no rule knows spins */
-  double *mass;        /* kg; NULL when all are equal */
+  struct em_vec *spin;             /* rad/s; NULL when no rule knows spins */
+  double *mass;                    /* kg; NULL when all are equal */
   double mass0, largest, smallest; /* kg; m, m: radii */
 
   struct em_vec gravity;
@@ -71,6 +69,9 @@ struct em_world {
   uint64_t epoch;
   double clock;  /* s within the epoch */
   double within; /* s: contacts in a row */
+  /* Contacts since everything was predicted anew. A prediction is stale when its partner has had
+   * one since it was made; so whoever predicts need not ask anything of the partner. */
+  uint32_t contacts;
 
   const struct em_queue_kind *queue_kind;
   struct em_queue *queue;

@@ -1,5 +1,5 @@
-/* The local lists: what is predicted for each ball. Validity is by counters: a prediction is stale
- * when its partner has collided since; nothing is deleted recursively. */
+/* The local lists: what is predicted for each ball. A prediction is stale when its partner has
+ * had a contact since it was made; nothing is deleted recursively. */
 #ifndef EVENTMILL_LOCAL_H
 #define EVENTMILL_LOCAL_H
 

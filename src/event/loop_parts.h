@@ -58,7 +58,7 @@ static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_
 /* Does a prediction of ball i hold, or has its partner had a contact since? */
 static inline bool holds(const struct em_world *w, uint32_t i, const struct em_prediction *p) {
   const bool ball = p->partner < EM_SURFACE;
-  return !ball | (w->counter[ball ? p->partner : i] == p->counter);
+  return !ball | (w->plan[ball ? p->partner : i].contact <= p->made);
 }
 
 /* Does ball i leave its place before it meets anything, where only the earliest is kept? */
@@ -74,7 +74,6 @@ enum { FORESEEN = EM_BLOCKS_MANY }; /* balls of a bin */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {
   em_fetch(&w->body[i]);
   em_fetch(&w->plan[i]);
-  em_fetch(&w->counter[i]);
   if (!w->cells) w->partition_kind->fetch(w, i, false, false);
 }
 
@@ -154,7 +153,7 @@ static inline double absolute(const struct em_world *w, double t) {
 
 static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32_t streak) {
   struct em_plan *plan = &w->plan[i];
-  w->counter[i]++;
+  plan->contact = w->contacts;
   plan->last = partner;
   plan->streak = streak;
 }

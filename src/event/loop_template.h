@@ -49,11 +49,6 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   return tr + c / (sqrt(disc) - p);
 }
 
-static inline struct em_prediction FN(prediction)(const struct em_world *w, double time,
-                                                  uint32_t partner) {
-  return (struct em_prediction){time, partner, w->counter[partner < w->count ? partner : 0]};
-}
-
 /* The earliest of n candidates of ball i, one after the other. */
 static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, const uint32_t *id,
                                          uint32_t n, double now) {
@@ -63,7 +58,7 @@ static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, c
     const double t = FN(pair)(w, i, id[k], now);
     if (t < first || (t == first && id[k] < partner)) first = t, partner = id[k];
   }
-  return FN(prediction)(w, first, partner);
+  return (struct em_prediction){first, partner, w->contacts};
 }
 
 /* LANES pairs of balls, as far as a root is needed. */
@@ -156,7 +151,7 @@ static inline struct em_prediction FN(choose)(const struct em_world *w, uint32_t
   const uint32_t partner =
       (uint32_t)vl_least_of(vd_equal(best->time, vd_all(first)), best->partner);
   if (partner == w->plan[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
-  return FN(prediction)(w, first, partner);
+  return (struct em_prediction){first, partner, w->contacts};
 }
 
 /* Predicts the contacts of n pairs of balls, beside what has been predicted of the first of each;
@@ -177,7 +172,8 @@ static __attribute__((noinline)) void FN(predict_mixed)(struct em_world *w, cons
       const unsigned h = (unsigned)__builtin_ctz(hit);
       const uint32_t i = ball[k + h], j = other[k + h];
       const bool met = w->plan[i].last == j;
-      const struct em_prediction p = FN(prediction)(w, met ? FN(pair)(w, i, j, now) : time[h], j);
+      const double t = met ? FN(pair)(w, i, j, now) : time[h];
+      const struct em_prediction p = {t, j, w->contacts};
       em_local_first_add(w->local, i, &p);
     }
   }
@@ -205,7 +201,7 @@ static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint3
   }
   if (anew) w->local_kind->clear(w->local, i);
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->counter[id[k]]};
+    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->contacts};
     if (p.time < INFINITY && !local_add(w, i, &p)) return false;
   }
   return true;
@@ -234,7 +230,7 @@ static inline void FN(fly)(const struct em_world *w, struct em_body *b, double t
  * surfaces matter, h how long from its last contact on. */
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
-  const struct em_prediction p = {w->body[i].t + dt, code, 0};
+  const struct em_prediction p = {w->body[i].t + dt, code, w->contacts};
   return dt == INFINITY || local_add(w, i, &p);
 }
 
@@ -401,6 +397,9 @@ static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32
 
 static bool FN(predict_all)(struct em_world *w) {
   w->queue_kind->clear(w->queue, w->clock);
+  w->contacts = 0;
+  for (uint32_t i = 0; i < w->count; i++)
+    w->plan[i].contact = 0;
   for (uint32_t i = 0; i < w->count; i++)
     if (!FN(predict)(w, i, w->clock)) return false;
   return true;
@@ -520,6 +519,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
     gain += FN(spin_up)(w, i, mi, law, twist);
     gain += FN(spin_up)(w, j, mj, law, twist);
   }
+  w->contacts++;
   mark(w, i, j, si);
   mark(w, j, i, sj);
   note(w, EM_CLASS_BALL, meff, p.vn, -gain);
@@ -601,6 +601,7 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
   const double work = em_vec_dot(sum, surface);
   FN(push)(w, i, m, sum);
   if (WITH(SPIN)) gain += FN(spin_up)(w, i, m, law, em_vec_cross(e, p.tangential));
+  w->contacts++;
   mark(w, i, code, si);
   note(w, cls, m, p.vn, work - gain);
   const struct em_vec place = em_vec_axpy(centre(b), -b->radius, e);

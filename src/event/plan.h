@@ -9,7 +9,7 @@
 struct em_prediction {
   double time;      /* s within the epoch */
   uint32_t partner; /* ball, or code of a surface */
-  uint32_t counter; /* the partner's collision counter when this was predicted */
+  uint32_t made;    /* how many contacts there had been: see world.contacts */
 };
 
 struct em_plan {
@@ -20,6 +20,7 @@ struct em_plan {
   uint32_t last;              /* partner of the last real event: ball, surface or EM_NOBODY */
   uint32_t streak;            /* contacts in a row, each within world.within of the one before */
   uint16_t cell[3], exit;     /* where it is: see blocks.h */
+  uint32_t contact;           /* the number of its last contact: see world.contacts */
   uint32_t near;              /* surfaces that it can meet before it leaves: see partition.h */
 } __attribute__((aligned(64)));
 

@@ -102,11 +102,10 @@ static void set_times(struct em_world *w) {
 static bool take_arrays(struct em_world *w, bool spin, bool mixed) {
   w->body = em_body_array(w->count, sizeof *w->body);
   w->plan = em_body_array(w->count, sizeof *w->plan);
-  w->counter = em_body_array(w->count, sizeof *w->counter);
   w->tied = em_body_array(w->count, sizeof *w->tied);
   if (spin) w->spin = em_body_array(w->count, sizeof *w->spin);
   if (mixed) w->mass = em_body_array(w->count, sizeof *w->mass);
-  return w->body && w->plan && w->counter && w->tied && (w->spin || !spin) && (w->mass || !mixed);
+  return w->body && w->plan && w->tied && (w->spin || !spin) && (w->mass || !mixed);
 }
 
 static void set_balls(struct em_world *w, const struct em_balls *balls) {
@@ -215,7 +214,6 @@ void em_world_free(struct em_world *w) {
   if (w->places) w->partition_kind->free(w->places);
   free(w->body);
   free(w->plan);
-  free(w->counter);
   free(w->tied);
   free(w->spin);
   free(w->mass);
@@ -240,14 +238,29 @@ static double local_time(const struct em_world *w, double time) {
   return time - (double)w->epoch * w->epoch_length;
 }
 
+/* Works off events before `limit` (s within the epoch), at most *left collisions; before the
+ * numbers of contacts run out, they begin anew. */
+static enum em_status run_before(struct em_world *w, double limit, uint64_t *left,
+                                 const volatile sig_atomic_t *stop, struct em_error *err) {
+  for (;;) {
+    const uint64_t room = UINT32_MAX - w->contacts;
+    uint64_t some = *left < room ? *left : room;
+    *left -= some;
+    enum em_status status = w->loop->run(w, limit, &some, stop, err);
+    *left += some;
+    if (status || some > 0 || *left == 0) return status;
+    status = predict_all(w, err);
+    if (status) return status;
+  }
+}
+
 enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_t count,
                                        const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t left = count;
   while (left > 0) {
     const double limit = local_time(w, until);
     const bool shift = limit >= w->epoch_length;
-    const enum em_status status =
-        w->loop->run(w, shift ? w->epoch_length : limit, &left, stop, err);
+    const enum em_status status = run_before(w, shift ? w->epoch_length : limit, &left, stop, err);
     if (status) return status;
     if (left > 0) w->clock = fmax(w->clock, shift ? w->epoch_length : limit);
     if (!shift || left == 0) break;
@@ -353,7 +366,7 @@ const char *em_world_variant(const struct em_world *w) {
 }
 
 double em_world_bytes_per_ball(const struct em_world *w) {
-  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->counter + sizeof *w->tied;
+  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->tied;
   if (w->spin) each += sizeof *w->spin;
   if (w->mass) each += sizeof *w->mass;
   const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local) +

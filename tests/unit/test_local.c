@@ -57,7 +57,7 @@ static void check(const struct em_local_kind *kind, const struct em_local *local
   assert_non_null(first);
   assert_true(first->time == expected->time);
   assert_int_equal(first->partner, expected->partner);
-  assert_int_equal(first->counter, expected->counter);
+  assert_int_equal(first->made, expected->made);
 }
 
 static struct em_plan plans[BALLS];
