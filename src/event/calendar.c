@@ -7,7 +7,7 @@
 
 #include "event/body.h"
 
-enum { LEAST_BINS = 8, SAMPLE = 256 };
+enum { LEAST_BINS = 8, SAMPLE = 256, AHEAD = 16 };
 /* Events per bin: where memory is asked for ahead, not for too many at a time. */
 static double target(uint32_t count) {
   return count < EM_FETCH_FROM ? 12.0 : 8.0;
@@ -24,6 +24,7 @@ static void empty(struct em_queue *q) {
   q->standing = 0;
   q->due_count = 0;
   q->later_count = 0;
+  q->by_count = 0;
   for (uint32_t ball = 0; ball < q->count; ball++) {
     q->plan[ball].place = EM_CALENDAR_WAITS;
     q->plan[ball].later = 0;
@@ -112,6 +113,7 @@ static bool next_turn(struct em_queue *q) {
   q->later_count = 0;
   for (uint32_t k = 0; k < waiting; k++) {
     const uint32_t ball = q->later[k];
+    if (k + AHEAD < waiting) em_fetch(&q->plan[q->later[k + AHEAD]]);
     q->plan[ball].later = 0;
     if (q->plan[ball].place != EM_CALENDAR_WAITS) continue;
     if (!em_calendar_file(q, ball, em_calendar_bin(q, q->plan[ball].due))) break;
@@ -169,6 +171,7 @@ bool em_calendar_thin_out(struct em_queue *q) {
 }
 
 bool em_calendar_advance(struct em_queue *q) {
+  em_calendar_catch_up(q);
   q->few = false;
   q->due_count = 0;
   while (q->due_count == 0) {
@@ -229,6 +232,7 @@ static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacin
   if (!q) return NULL;
   q->count = count;
   q->plan = plan;
+  q->large = count >= EM_FETCH_FROM;
   q->bins = count / 4 > LEAST_BINS ? count / 4 : LEAST_BINS;
   q->all_bins = q->bins + 2 * (count / EM_CALENDAR_ENTRIES) + LEAST_BINS;
   q->width = spacing > 0.0 && spacing < INFINITY ? target(count) * spacing : 1.0;
@@ -307,6 +311,8 @@ static bool due_is_valid(const struct em_queue *q) {
 /* Does a ball stand where it waits? */
 static bool waits(const struct em_queue *q, uint32_t ball, double at) {
   if (at < q->due_end) return false;
+  for (uint32_t k = 0; k < q->by_count; k++)
+    if (q->by[k] == ball) return true;
   const bool ahead = !(at < (double)q->base + q->bins); /* not in this turn */
   if (!(at < q->ring_end) || (ahead && q->plan[ball].later)) return q->plan[ball].later;
   for (uint32_t k = (uint32_t)(((int64_t)at - q->base) % q->bins), next;; k = next) {

@@ -113,6 +113,17 @@ static void test_periodic(void **state) {
   compare(periodic_box, "contact.rule=rough contact.tangential=-1.0", SLOW, CHEAP);
 }
 
+/* So large that memory is asked for ahead. */
+static const char large_box[] =
+    "gravity=\"none\";chamber={shape=\"box\";size=[0.16,0.16,0.16];periodic=true;};"
+    "contact={rule=\"smooth\";normal=1.0;};balls={count=27000;diameter=0.005;};";
+
+static void test_large(void **state) {
+  (void)state;
+  compare(large_box, "", 3 * FEW, CHEAP);
+  compare(large_box, "balls.diameter=0.003 gravity=[0.0,0.0,-9.81]", FEW, CHEAP);
+}
+
 static const char mixed_box[] =
     "chamber={shape=\"box\";size=[0.08,0.05,0.06];};"
     "contact={rule=\"rough\";normal=0.999;tangential=0.98;};"
@@ -127,10 +138,10 @@ static void test_mixed_box(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mill),      cmocka_unit_test(test_reference_rule),
-      cmocka_unit_test(test_tips),      cmocka_unit_test(test_two_rotors),
-      cmocka_unit_test(test_drum_gas),  cmocka_unit_test(test_periodic),
-      cmocka_unit_test(test_mixed_box),
+      cmocka_unit_test(test_mill),     cmocka_unit_test(test_reference_rule),
+      cmocka_unit_test(test_tips),     cmocka_unit_test(test_two_rotors),
+      cmocka_unit_test(test_drum_gas), cmocka_unit_test(test_periodic),
+      cmocka_unit_test(test_large),    cmocka_unit_test(test_mixed_box),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
