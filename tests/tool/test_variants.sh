@@ -10,7 +10,7 @@ if ! objdump --inlines --version >/dev/null 2>&1; then
   skip "code of the variants" "objdump is missing or older than 2.35"
   finish
 fi
-functions=$(grep -ho 'FN([a-z_]*)' src/event/loop_template.h | sort -u | tr -d '()' | sed 's/^FN//')
+functions=$(grep -ho 'FN([a-z_]*)' src/event/loop_{template,pairs,surfaces,contacts}.h | sort -u | tr -d '()' | sed 's/^FN//')
 
 # look OBJECT: per variant the effects whose functions its code calls or has inlined; variants are
 # named by their effects.

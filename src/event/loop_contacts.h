@@ -1,0 +1,218 @@
+/* Part of loop_template.h: what a contact does to a ball and its partner. */
+
+/* Counts contacts in a row. */
+static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {
+  return t - w->body[i].t <= w->within ? w->plan[i].streak + 1 : 0;
+}
+
+static void FN(advance)(struct em_world *w, uint32_t i, double t) {
+  struct em_body *b = &w->body[i];
+  FN(fly)(w, b, t);
+  if (WITH(PERIODIC)) {
+    b->x = wrap(b->x, w->low.x, w->period.x);
+    b->y = wrap(b->y, w->low.y, w->period.y);
+    b->z = wrap(b->z, w->low.z, w->period.z);
+  }
+}
+
+/* By division: m (1/m) is not 1, and that error, the same at each contact, would add up. */
+static void FN(push)(struct em_world *w, uint32_t i, double mass, struct em_vec impulse) {
+  struct em_body *b = &w->body[i];
+  b->vx = b->vx + impulse.x / mass;
+  b->vy = b->vy + impulse.y / mass;
+  b->vz = b->vz + impulse.z / mass;
+}
+
+/* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
+static double FN(spin_up)(struct em_world *w, uint32_t i, double m,
+                          const struct em_contact_law *law, struct em_vec twist) {
+  const double r = w->body[i].radius;
+  const struct em_vec d = em_vec_scale(em_contact_spin_factor(law->rule, m, r), twist);
+  const struct em_vec old = w->spin[i];
+  w->spin[i] = em_vec_add(old, d);
+  return 0.5 * (0.4 * m * r * r) * em_vec_dot(d, em_vec_add(old, w->spin[i]));
+}
+
+/* Which remedies act on a contact with approach speed vn, when the balls' last was `since` ago. An
+ * elastic contact loses nothing, along the surface neither: else rough heaps still collapse. */
+static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double since, double vn) {
+  struct remedy act = {false, false};
+  if (!WITH(EXTRA)) return act;
+  const struct em_remedy *r = &w->scene->remedy;
+  if (r->jam_after > 0 && streak >= (uint32_t)r->jam_after) {
+    act.frictionless = true;
+    w->tally.jam++;
+  }
+  if (since < r->tc) {
+    act.elastic = act.frictionless = true;
+    w->tally.tc++;
+  }
+  if (vn < r->elastic_below) {
+    act.elastic = act.frictionless = true;
+    w->tally.elastic++;
+  }
+  return act;
+}
+
+/* The impulse on a ball. Where no surface is rough it is along the normal, and how fast the
+ * surfaces slide is asked by observers only: a gain of 1.05. */
+static inline struct em_impulse FN(impulse)(const struct em_world *w,
+                                            const struct em_contact_law *law, double m_eff,
+                                            struct em_vec e, struct em_vec g, struct remedy act) {
+  if (WITH(SPIN)) return em_contact_impulse(law, m_eff, e, g, act.frictionless, act.elastic);
+  const double gn = em_vec_dot(g, e), vn = gn < 0.0 ? -gn : 0.0;
+  return (struct em_impulse){
+      .normal = em_vec_scale(em_contact_push(&law->normal, m_eff, e, vn, act.elastic), e),
+      .vn = vn,
+      .vt = w->observers ? em_vec_norm(em_vec_axpy(g, -gn, e)) : 0.0};
+}
+
+static double FN(since)(const struct em_world *w, uint32_t i, double t) {
+  return w->plan[i].last == EM_NOBODY ? INFINITY : t - w->body[i].t;
+}
+
+static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t j, double t,
+                                       struct em_error *err) {
+  const uint32_t low = i < j ? i : j, high = i ^ j ^ low;
+  i = low, j = high;
+  const uint32_t si = FN(streak)(w, i, t), sj = FN(streak)(w, j, t);
+  if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
+    return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
+  double since = INFINITY;
+  if (WITH(EXTRA)) since = em_lesser(FN(since)(w, i, t), FN(since)(w, j, t));
+  FN(advance)(w, i, t);
+  FN(advance)(w, j, t);
+  const struct em_body *a = &w->body[i], *b = &w->body[j];
+  struct em_vec d = {a->x - b->x, a->y - b->y, a->z - b->z};
+  if (WITH(PERIODIC)) {
+    d.x = d.x - em_body_shift(d.x, w->period.x, w->per_period.x);
+    d.y = d.y - em_body_shift(d.y, w->period.y, w->per_period.y);
+    d.z = d.z - em_body_shift(d.z, w->period.z, w->per_period.z);
+  }
+  const double norm = em_vec_norm(d);
+  const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};
+  const struct em_vec u = {a->vx - b->vx, a->vy - b->vy, a->vz - b->vz};
+  const struct em_vec g =
+      WITH(SPIN) ? em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
+                                                            em_vec_scale(b->radius, w->spin[j]))))
+                 : u;
+  const double mi = w->mass ? w->mass[i] : w->mass0, mj = w->mass ? w->mass[j] : w->mass0;
+  const double meff = mi * mj / (mi + mj);
+  const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));
+  const struct em_contact_law *law = &w->scene->contact[EM_CLASS_BALL];
+  const struct em_impulse p = FN(impulse)(w, law, meff, e, g, act);
+  if (vn_bin(p.vn) == 0 && em_collapse_sticks(w, law, p.vn))
+    return em_collapse_stuck(w, i, j, t, p.vn, err);
+  const struct em_vec sum = WITH(SPIN) ? em_vec_add(p.normal, p.tangential) : p.normal;
+  double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
+  FN(push)(w, i, mi, sum);
+  FN(push)(w, j, -mj, sum);
+  if (WITH(SPIN)) {
+    const struct em_vec twist = em_vec_cross(e, p.tangential);
+    gain += FN(spin_up)(w, i, mi, law, twist);
+    gain += FN(spin_up)(w, j, mj, law, twist);
+  }
+  w->contacts++;
+  mark(w, i, j, si);
+  mark(w, j, i, sj);
+  note(w, EM_CLASS_BALL, meff, p.vn, -gain);
+  if (w->observers) {
+    const struct em_contact c = {.time = absolute(w, t),
+                                 .cls = EM_CLASS_BALL,
+                                 .ball = i,
+                                 .partner = j,
+                                 .place = em_vec_axpy(centre(a), -a->radius, e),
+                                 .normal = e,
+                                 .vn = p.vn,
+                                 .vt = p.vt,
+                                 .lost = -gain,
+                                 .work = 0.0};
+    tell(w, &c);
+  }
+  return EM_OK;
+}
+
+/* Outward normal of the faked ramps (Reichardt 20.1.1): near the top and the bottom the drum's
+ * normal is turned against the ball's motion along x. */
+static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_body *b) {
+  const double rho = sqrt(b->x * b->x + b->z * b->z);
+  struct em_vec e = {-b->x / rho, 0.0, -b->z / rho};
+  if (WITH(EXTRA) && w->facets) return em_body_facet(w, em_vec_make(b->x, b->y, b->z));
+  if (WITH(EXTRA) && w->scene->chamber.ramp_tilt != 0.0 &&
+      fabs(e.z) > cos(w->scene->chamber.ramp_half)) {
+    const double side = (b->vx > 0.0) == (e.z > 0.0) ? -1.0 : 1.0;
+    const double s = side * sin(w->scene->chamber.ramp_tilt), c = cos(w->scene->chamber.ramp_tilt);
+    e = (struct em_vec){c * e.x + s * e.z, 0.0, c * e.z - s * e.x};
+  }
+  return e;
+}
+
+/* Class, normal and velocity of the surface `code` where ball i touches it. */
+static enum em_class FN(meet_surface)(const struct em_world *w, uint32_t i, uint32_t code, double t,
+                                      struct em_vec *e, struct em_vec *surface) {
+  const struct em_body *b = &w->body[i];
+  const uint32_t wall = code - EM_SURFACE;
+  *surface = (struct em_vec){0.0, 0.0, 0.0};
+  if (WITH(ROTOR) && wall >= EM_WALLS) {
+    const struct em_blade *blade = &w->blade[wall - EM_WALLS].blade;
+    *e = em_surface_blade_normal(blade, centre(b), blade->angle + blade->omega * t);
+    *surface = em_surface_blade_velocity(blade, em_vec_axpy(centre(b), -b->radius, *e));
+    return EM_CLASS_BLADE;
+  }
+  if (wall == EM_WALL_DRUM) {
+    *e = FN(drum_normal)(w, b);
+  } else {
+    const double sign = wall & 1 ? -1.0 : 1.0;
+    *e = (struct em_vec){wall / 2 == 0 ? sign : 0.0, wall / 2 == 1 ? sign : 0.0,
+                         wall / 2 == 2 ? sign : 0.0};
+  }
+  if (WITH(EXTRA) && w->drum_omega != 0.0) {
+    const struct em_vec x = em_vec_axpy(centre(b), -b->radius, *e);
+    *surface = (struct em_vec){w->drum_omega * x.z, 0.0, -w->drum_omega * x.x};
+  }
+  return wall / 2 == 1 ? EM_CLASS_END : EM_CLASS_DRUM;
+}
+
+static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32_t code, double t,
+                                          struct em_error *err) {
+  const uint32_t si = FN(streak)(w, i, t);
+  if (si >= w->scene->remedy.collapse_after) return collapsed(w, i, code, t, err);
+  const double since = WITH(EXTRA) ? FN(since)(w, i, t) : INFINITY;
+  FN(advance)(w, i, t);
+  const struct em_body *b = &w->body[i];
+  struct em_vec e, surface;
+  const enum em_class cls = FN(meet_surface)(w, i, code, t, &e, &surface);
+  const struct em_vec v = velocity(b);
+  struct em_vec g = em_vec_sub(v, surface);
+  if (WITH(SPIN)) g = em_vec_add(g, em_vec_scale(b->radius, em_vec_cross(e, w->spin[i])));
+  const double m = w->mass ? w->mass[i] : w->mass0;
+  const struct remedy act = FN(remedy)(w, si, since, -em_vec_dot(g, e));
+  const struct em_contact_law *law = &w->scene->contact[cls];
+  const struct em_impulse p = FN(impulse)(w, law, m, e, g, act);
+  const struct em_vec sum = WITH(SPIN) ? em_vec_add(p.normal, p.tangential) : p.normal;
+  double gain = em_vec_dot(sum, v) + 0.5 * em_vec_norm2(sum) / m;
+  const double work = em_vec_dot(sum, surface);
+  FN(push)(w, i, m, sum);
+  if (WITH(SPIN)) gain += FN(spin_up)(w, i, m, law, em_vec_cross(e, p.tangential));
+  w->contacts++;
+  mark(w, i, code, si);
+  note(w, cls, m, p.vn, work - gain);
+  const struct em_vec place = em_vec_axpy(centre(b), -b->radius, e);
+  if (WITH(ROTOR) && cls == EM_CLASS_BLADE) note_blade(w, code, place, sum, work);
+  if (WITH(EXTRA) && cls != EM_CLASS_BLADE) w->tally.drum_work += work;
+  if (w->observers) {
+    const uint32_t wall = code - EM_SURFACE;
+    const struct em_contact c = {.time = absolute(w, t),
+                                 .cls = cls,
+                                 .ball = i,
+                                 .partner = cls == EM_CLASS_BLADE ? wall - EM_WALLS : wall,
+                                 .place = place,
+                                 .normal = e,
+                                 .vn = p.vn,
+                                 .vt = p.vt,
+                                 .lost = work - gain,
+                                 .work = work};
+    tell(w, &c);
+  }
+  return EM_OK;
+}

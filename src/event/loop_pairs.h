@@ -1,0 +1,200 @@
+/* Part of loop_template.h: when balls meet, one pair at a time, to the same bits many at a time,
+ * and the earliest of a ball's candidates. */
+
+/* When balls i and j touch, from their states at the later of their last real events. `now` only
+ * chooses the periodic image. The pair that has just collided is left out. */
+static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
+  const struct em_body *a = &w->body[i], *b = &w->body[j];
+  const double tr = b->t > a->t ? b->t : a->t;
+  const double da = tr - a->t, db = tr - b->t;
+  double xa = a->x + a->vx * da, ya = a->y + a->vy * da, za = a->z + a->vz * da;
+  double xb = b->x + b->vx * db, yb = b->y + b->vy * db, zb = b->z + b->vz * db;
+  double ua = a->vx, va = a->vy, wa = a->vz, ub = b->vx, vb = b->vy, wb = b->vz;
+  if (WITH(GRAVITY)) {
+    const struct em_vec g = w->gravity;
+    const double ha = 0.5 * da * da, hb = 0.5 * db * db;
+    xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+    xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
+    ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+    ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
+  }
+  double dx = xb - xa, dy = yb - ya, dz = zb - za;
+  const double du = ub - ua, dv = vb - va, dw = wb - wa;
+  if (WITH(PERIODIC)) {
+    const double ahead = now - tr;
+    dx = dx - em_body_shift(dx + du * ahead, w->period.x, w->per_period.x);
+    dy = dy - em_body_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+    dz = dz - em_body_shift(dz + dw * ahead, w->period.z, w->per_period.z);
+  }
+  (void)now;
+  const double p = (dx * du + dy * dv) + dz * dw;
+  if (!(p < 0.0)) return INFINITY;
+  const double sigma = b->radius + a->radius;
+  const double c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+  if (w->plan[i].last == j && w->plan[j].last == i && a->t == b->t && c < 1e-3 * sigma * sigma)
+    return INFINITY;
+  if (c <= 0.0) return tr;
+  if (WITH(EXTRA) && w->exact_pairs)
+    return em_body_exact_pair(w, i, j, em_vec_make(dx - (xb - xa), dy - (yb - ya), dz - (zb - za)));
+  const double disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+  if (disc < 0.0) return INFINITY;
+  return tr + c / (sqrt(disc) - p);
+}
+
+/* The earliest of n candidates of ball i, one after the other. */
+static struct em_prediction FN(first_of)(const struct em_world *w, uint32_t i, const uint32_t *id,
+                                         uint32_t n, double now) {
+  double first = INFINITY;
+  uint32_t partner = EM_NOBODY;
+  for (uint32_t k = 0; k < n; k++) {
+    const double t = FN(pair)(w, i, id[k], now);
+    if (t < first || (t == first && id[k] < partner)) first = t, partner = id[k];
+  }
+  return (struct em_prediction){first, partner, w->contacts};
+}
+
+/* LANES pairs of balls, as far as a root is needed. */
+struct FN(pairs) {
+  vd tr;     /* s: when both move along their last paths */
+  vd p, c;   /* m²/s, m²: half the rate of the squared distance, and its excess */
+  vd disc;   /* m⁴/s² */
+  vm inside; /* they overlap */
+  vm hit;    /* they meet */
+};
+
+/* The same LANES at a time, to the same bits: balls a and b, as struct em_body. `fresh`: the last
+ * event of all was that of the balls a, so that the others alone have to be moved on. */
+static inline __attribute__((always_inline)) struct FN(pairs)
+    FN(pairs_of)(const struct em_world *w, const vd a[8], const vd b[8], double now, bool fresh) {
+  const vd zero = vd_all(0.0);
+  const vd tr = fresh ? a[6] : vd_choose(vd_below(a[6], b[6]), b[6], a[6]);
+  const vd da = tr - a[6], db = tr - b[6];
+  vd xa = a[0], ya = a[1], za = a[2], ua = a[3], va = a[4], wa = a[5];
+  if (!fresh) xa = xa + ua * da, ya = ya + va * da, za = za + wa * da;
+  vd xb = b[0] + b[3] * db, yb = b[1] + b[4] * db, zb = b[2] + b[5] * db;
+  vd ub = b[3], vb = b[4], wb = b[5];
+  if (WITH(GRAVITY)) {
+    const struct em_vec g = w->gravity;
+    const vd ha = 0.5 * da * da, hb = 0.5 * db * db;
+    if (!fresh) {
+      xa = xa + g.x * ha, ya = ya + g.y * ha, za = za + g.z * ha;
+      ua = ua + g.x * da, va = va + g.y * da, wa = wa + g.z * da;
+    }
+    xb = xb + g.x * hb, yb = yb + g.y * hb, zb = zb + g.z * hb;
+    ub = ub + g.x * db, vb = vb + g.y * db, wb = wb + g.z * db;
+  }
+  vd dx = xb - xa, dy = yb - ya, dz = zb - za;
+  const vd du = ub - ua, dv = vb - va, dw = wb - wa;
+  if (WITH(PERIODIC)) {
+    const vd ahead = now - tr;
+    dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
+    dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
+    dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
+  }
+  const vd p = (dx * du + dy * dv) + dz * dw;
+  const vd sigma = b[7] + a[7];
+  const vd c = ((dx * dx + dy * dy) + dz * dz) - sigma * sigma;
+  const vd disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
+  const vm inside = vd_at_most(c, zero);
+  return (struct FN(pairs)){tr,   p,      c,
+                            disc, inside, vd_below(p, zero) & (inside | vd_at_most(zero, disc))};
+}
+
+/* When those that are hit touch. */
+static inline vd FN(times_of)(const struct FN(pairs) * q) {
+  const vd zero = vd_all(0.0);
+  const vd root = q->c / (vd_sqrt(vd_choose(vd_below(zero, q->disc), q->disc, zero)) - q->p);
+  return q->tr + vd_choose(q->inside, zero, root);
+}
+
+/* The earliest of a ball's candidates in each lane. */
+struct FN(earliest) {
+  vd time;
+  vl partner;
+};
+
+/* Without branches: what is hit cannot be foretold, and a wrong guess costs more than a root. */
+static inline __attribute__((always_inline)) struct FN(earliest)
+    FN(earliest_of)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
+                    double now, bool fresh) {
+  const struct em_body *own = &w->body[i];
+  const vd a[8] = {vd_all(own->x),  vd_all(own->y),  vd_all(own->z), vd_all(own->vx),
+                   vd_all(own->vy), vd_all(own->vz), vd_all(own->t), vd_all(own->radius)};
+  struct FN(earliest) best = {vd_all(INFINITY), vl_all(EM_NOBODY)};
+  for (uint32_t k = 0; k < n; k += LANES) {
+    vd b[8];
+    vd_records(&w->body->x, id + k, b);
+    const struct FN(pairs) q = FN(pairs_of)(w, a, b, now, fresh);
+    const vd time = vd_choose(q.hit & vm_below(n - k), FN(times_of)(&q), vd_all(INFINITY));
+    const vl other = vl_of(id + k);
+    const vm sooner =
+        vd_below(time, best.time) | (vd_equal(time, best.time) & vl_below(other, best.partner));
+    best.time = vd_choose(sooner, time, best.time);
+    best.partner = vl_choose(sooner, other, best.partner);
+  }
+  return best;
+}
+
+/* The earliest of all. */
+static inline struct em_prediction FN(choose)(const struct em_world *w, uint32_t i,
+                                              const uint32_t *id, uint32_t n, double now,
+                                              const struct FN(earliest) * best) {
+  const double first = vd_least_of(best->time);
+  const uint32_t partner =
+      (uint32_t)vl_least_of(vd_equal(best->time, vd_all(first)), best->partner);
+  if (partner == w->plan[i].last && first < INFINITY) return FN(first_of)(w, i, id, n, now);
+  return (struct em_prediction){first, partner, w->contacts};
+}
+
+/* Predicts the contacts of n pairs of balls, beside what has been predicted of the first of each;
+ * few of them meet. */
+static __attribute__((noinline)) void FN(predict_mixed)(struct em_world *w, const uint32_t *ball,
+                                                        const uint32_t *other, uint32_t n,
+                                                        double now) {
+  w->tally.candidates += n;
+  for (uint32_t k = 0; k < n; k += LANES) {
+    vd a[8], b[8];
+    vd_records(&w->body->x, ball + k, a);
+    vd_records(&w->body->x, other + k, b);
+    const struct FN(pairs) q = FN(pairs_of)(w, a, b, now, false);
+    unsigned hit = vm_bits(q.hit & vm_below(n - k));
+    if (!hit) continue;
+    const vd time = FN(times_of)(&q);
+    for (; hit; hit &= hit - 1) {
+      const unsigned h = (unsigned)__builtin_ctz(hit);
+      const uint32_t i = ball[k + h], j = other[k + h];
+      const bool met = w->plan[i].last == j;
+      const double t = met ? FN(pair)(w, i, j, now) : time[h];
+      const struct em_prediction p = {t, j, w->contacts};
+      em_local_first_add(w->local, i, &p);
+    }
+  }
+}
+
+/* Where only the earliest is kept: the earliest of n candidates of ball i. */
+static inline struct em_prediction FN(best_of)(const struct em_world *w, uint32_t i,
+                                               const uint32_t *id, uint32_t n, double now) {
+  if (w->vectors) {
+    const struct FN(earliest) best = FN(earliest_of)(w, i, id, n, now, false);
+    return FN(choose)(w, i, id, n, now, &best);
+  }
+  return FN(first_of)(w, i, id, n, now);
+}
+
+/* Predicts the contacts of ball i with n candidates: beside what has been predicted, or `anew`. */
+static inline bool FN(predict_pairs)(struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
+                                     double now, bool anew) {
+  w->tally.candidates += n;
+  if (!w->keeps_all) {
+    const struct em_prediction p = FN(best_of)(w, i, id, n, now);
+    if (!anew) return p.time == INFINITY || local_add(w, i, &p);
+    w->plan[i].first = p;
+    return true;
+  }
+  if (anew) w->local_kind->clear(w->local, i);
+  for (uint32_t k = 0; k < n; k++) {
+    const struct em_prediction p = {FN(pair)(w, i, id[k], now), id[k], w->contacts};
+    if (p.time < INFINITY && !local_add(w, i, &p)) return false;
+  }
+  return true;
+}
