@@ -34,11 +34,16 @@ struct list {
   uint32_t count, room;
 };
 
+/* What an event of a ball reads: half a cache line. */
+struct place {
+  struct shell shell;
+  struct list list;
+} __attribute__((aligned(32)));
+
 struct em_places {
   uint32_t count;
-  struct shell *shell;
-  struct list *list;
-  uint32_t *mark; /* stamps of the last search */
+  struct place *of; /* of each ball */
+  uint32_t *mark;   /* stamps of the last search */
   uint32_t stamp;
   bool surfaces; /* that there are any */
 
@@ -84,15 +89,27 @@ static unsigned class_of(uint32_t room) {
   return k;
 }
 
+/* On a cache line's boundary, so that a list of the least room is one line. */
+static bool pool_grow(struct em_places *p, size_t wanted) {
+  size_t room = p->pool_room;
+  while (room < wanted)
+    room += room / 4 + LIST_LEAST;
+  uint32_t *pool = em_body_array(room, sizeof *pool);
+  if (!pool) return false;
+  if (p->pool) memcpy(pool, p->pool, p->pool_used * sizeof *pool);
+  free(p->pool);
+  p->pool = pool;
+  p->pool_room = room;
+  return true;
+}
+
 static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
   const unsigned k = class_of(room);
   if (p->spare_count[k]) {
     *at = p->spare[k][--p->spare_count[k]];
     return true;
   }
-  if (p->pool_used + room > p->pool_room &&
-      !grow((void **)&p->pool, sizeof *p->pool, &p->pool_room, p->pool_used + room))
-    return false;
+  if (p->pool_used + room > p->pool_room && !pool_grow(p, p->pool_used + room)) return false;
   *at = (uint32_t)p->pool_used;
   p->pool_used += room;
   return true;
@@ -114,7 +131,7 @@ static bool list_widen(struct em_places *p, struct list *l) {
 }
 
 static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
-  struct list *l = &p->list[i];
+  struct list *l = &p->of[i].list;
   if (l->count == l->room && !list_widen(p, l)) return false;
   p->pool[l->at + l->count++] = j;
   return true;
@@ -122,7 +139,7 @@ static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
 
 /* Four entries at a time: where one stands cannot be foretold, and a wrong guess costs more. */
 static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
-  struct list *l = &p->list[i];
+  struct list *l = &p->of[i].list;
   uint32_t *e = p->pool + l->at;
   uint32_t k = 0;
   unsigned here;
@@ -231,7 +248,7 @@ static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, dou
   struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
   const double fast2 = em_vec_norm2(v);
   if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
-  const struct shell *s = &p->shell[i];
+  const struct shell *s = &p->of[i].shell;
   const double inside = KEEP * (double)s->skin;
   if (em_vec_norm2(offset(w, s, x)) > inside * inside) return false;
   w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
@@ -244,7 +261,7 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   const double fast2 = em_vec_norm2(v);
   if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
   const double speed2 = em_vec_norm2(v);
-  struct shell *s = &p->shell[i];
+  struct shell *s = &p->of[i].shell;
   const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
   const struct em_vec c = em_vec_axpy(x, ahead, v);
   s->centre[0] = (float)wrapped(c.x, w->low.x, w->period.x);
@@ -255,14 +272,14 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
 }
 
 static float hull_of(const struct em_world *w, uint32_t i) {
-  return w->places->shell[i].skin + (float)w->body[i].radius;
+  return w->places->of[i].shell.skin + (float)w->body[i].radius;
 }
 
 /* All shells near that of ball i go to p->found; false: no memory. */
 static bool search(const struct em_world *w, struct em_places *p, uint32_t i, uint32_t *count) {
   for (;;) {
     const uint32_t most = (uint32_t)p->found_room;
-    *count = em_shells_find(&p->shells, p->shell[i].centre, hull_of(w, i), p->found, most);
+    *count = em_shells_find(&p->shells, p->of[i].shell.centre, hull_of(w, i), p->found, most);
     if (*count < most) return true;
     if (!grow((void **)&p->found, sizeof *p->found, &p->found_room, 2 * p->found_room + 64))
       return false;
@@ -280,12 +297,12 @@ static uint32_t next_stamp(struct em_places *p) {
 /* Takes ball i out of the lists of those that were near and are no longer, and leaves in p->found
  * those that have come near; returns how many. What each is cannot be foretold: no branches. */
 static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
-  struct list *l = &p->list[i];
+  struct list *l = &p->of[i].list;
   uint32_t *mark = p->mark, *old = p->pool + l->at, *gone = p->gone;
   const uint32_t was = next_stamp(p), stays = was + 1;
   for (uint32_t k = 0; k < l->count; k++) {
     mark[old[k]] = was;
-    __builtin_prefetch(&p->list[old[k]]);
+    __builtin_prefetch(&p->of[old[k]].list);
   }
   uint32_t come = 0, left = 0, go = 0;
   for (uint32_t k = 0; k < found; k++) {
@@ -293,7 +310,7 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
     mark[j] += near;
     p->found[come] = j;
     come += !near;
-    __builtin_prefetch(&p->list[j]);
+    __builtin_prefetch(&p->of[j].list);
   }
   for (uint32_t k = 0; k < l->count; k++) {
     const uint32_t j = old[k], keep = mark[j] == stays;
@@ -303,9 +320,9 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
   }
   l->count = left;
   for (uint32_t k = 0; k < go; k++)
-    __builtin_prefetch(p->pool + p->list[gone[k]].at);
+    __builtin_prefetch(p->pool + p->of[gone[k]].list.at);
   for (uint32_t k = 0; k < come; k++)
-    __builtin_prefetch(p->pool + p->list[p->found[k]].at);
+    __builtin_prefetch(p->pool + p->of[p->found[k]].list.at);
   for (uint32_t k = 0; k < go; k++)
     list_drop(p, gone[k], i);
   return come;
@@ -313,8 +330,8 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
 
 static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_t *count) {
   struct em_places *p = w->places;
-  struct list *l = &p->list[i];
-  struct shell *s = &p->shell[i];
+  struct list *l = &p->of[i].list;
+  struct shell *s = &p->of[i].shell;
   *count = 0;
   if (shell_keeps(w, p, i, now)) return p->found;
   if (l->count > p->many)
@@ -336,7 +353,7 @@ memory:
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  const struct list *l = &w->places->list[i];
+  const struct list *l = &w->places->of[i].list;
   *count = l->count;
   return w->places->pool + l->at;
 }
@@ -347,19 +364,18 @@ static void moved(struct em_world *w, uint32_t i) {
   struct em_vec x = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
   const double fast2 = em_vec_norm2(v);
   if (p->omega != 0.0) turn_to_shells(p, b->t, &x, &v);
-  w->plan[i].leave = stay(w, p, &p->shell[i], b->t, x, v, fast2);
+  w->plan[i].leave = stay(w, p, &p->of[i].shell, b->t, x, v, fast2);
 }
 
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
   const struct em_places *p = w->places;
   if (!beyond) {
-    em_fetch(&p->list[i]);
-    em_fetch(&p->shell[i]);
+    em_fetch(&p->of[i]);
     em_fetch(&p->shells.cell[i]);
     return;
   }
-  em_fetch(p->pool + p->list[i].at);
-  if (leaves) em_shells_fetch(&p->shells, p->shell[i].centre, hull_of(w, i));
+  em_fetch(p->pool + p->of[i].list.at);
+  if (leaves) em_shells_fetch(&p->shells, p->of[i].shell.centre, hull_of(w, i));
 }
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -394,8 +410,7 @@ static void free_places(struct em_places *p) {
   if (!p) return;
   for (int k = 0; k < LIST_CLASSES; k++)
     free(p->spare[k]);
-  free(p->shell);
-  free(p->list);
+  free(p->of);
   free(p->mark);
   free(p->pool);
   free(p->found);
@@ -405,12 +420,10 @@ static void free_places(struct em_places *p) {
 }
 
 static bool take_arrays(const struct em_world *w, struct em_places *p) {
-  p->shell = em_body_array(w->count, sizeof *p->shell);
-  p->list = em_body_array(w->count, sizeof *p->list);
+  p->of = em_body_array(w->count, sizeof *p->of);
   p->mark = em_body_array(w->count, sizeof *p->mark);
   p->surfaces = w->drum || w->walls || w->blade_count;
-  return p->shell && p->list && p->mark &&
-         grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
+  return p->of && p->mark && grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
                         w->loop->lanes >= 4);
 }
@@ -423,15 +436,15 @@ static bool fill(struct em_world *w, struct em_places *p) {
     if (!search(w, p, i, &count)) return false;
     for (uint32_t k = 0; k < count; k++)
       if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) return false;
-    if (!em_shells_enter(&p->shells, i, p->shell[i].centre, hull_of(w, i))) return false;
+    if (!em_shells_enter(&p->shells, i, p->of[i].shell.centre, hull_of(w, i))) return false;
   }
   return true;
 }
 
 static bool first_fill(struct em_world *w, struct em_places *p) {
   for (uint32_t i = 0; i < w->count; i++) {
-    struct list *l = &p->list[i];
-    p->shell[i].skin = (float)p->skin_most;
+    struct list *l = &p->of[i].list;
+    p->of[i].shell.skin = (float)p->skin_most;
     l->room = LIST_LEAST;
     if (!list_take(p, l->room, &l->at)) return false;
   }
@@ -477,7 +490,7 @@ static bool renew(struct em_world *w) {
   set_bend(w, p, hypot(rest, omega * w->rho));
   em_shells_clear(&p->shells);
   for (uint32_t i = 0; i < w->count; i++)
-    p->list[i].count = 0;
+    p->of[i].list.count = 0;
   return fill(w, p);
 }
 
@@ -512,8 +525,8 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 }
 
 static size_t bytes(const struct em_places *p) {
-  size_t sum = p->count * (sizeof *p->shell + sizeof *p->list + sizeof *p->mark) +
-               p->pool_room * sizeof *p->pool + (p->found_room + p->gone_room) * sizeof *p->found;
+  size_t sum = p->count * (sizeof *p->of + sizeof *p->mark) + p->pool_room * sizeof *p->pool +
+               (p->found_room + p->gone_room) * sizeof *p->found;
   for (int k = 0; k < LIST_CLASSES; k++)
     sum += p->spare_room[k] * sizeof **p->spare;
   return sum + em_shells_bytes(&p->shells);
@@ -523,10 +536,10 @@ static size_t bytes(const struct em_places *p) {
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
   for (uint32_t i = 0; i < p->count; i++) {
-    const struct list *l = &p->list[i];
-    if (!em_shells_holds(&p->shells, i, p->shell[i].centre)) return false;
+    const struct list *l = &p->of[i].list;
+    if (!em_shells_holds(&p->shells, i, p->of[i].shell.centre)) return false;
     for (uint32_t k = 0; k < l->count; k++) {
-      const struct list *m = &p->list[p->pool[l->at + k]];
+      const struct list *m = &p->of[p->pool[l->at + k]].list;
       uint32_t seen = 0;
       for (uint32_t h = 0; h < m->count; h++)
         seen += p->pool[m->at + h] == i;
