@@ -292,8 +292,9 @@ static inline void em_blocks_next(const struct em_places *p, uint32_t i, uint16_
   const struct em_plan *here = &p->plan[i];
   const unsigned a = here->exit / 2;
   const int n = p->axis[a].n, to = here->cell[a] + 2 * (here->exit & 1) - 1;
-  memcpy(next, here->cell, sizeof here->cell);
-  next[a] = (uint16_t)(to == 0 ? n : to > n ? 1 : to);
+  const int turned = to == 0 ? n : to > n ? 1 : to;
+  for (unsigned k = 0; k < 3; k++)
+    next[k] = (uint16_t)(k == a ? turned : here->cell[k]);
 }
 
 /* Nine cells side by side along two axes; the one at `slot` is in their midst. */
@@ -348,7 +349,8 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
     uint16_t next[3];
     em_blocks_next(p, i, next);
     em_blocks_quit(p, i);
-    memcpy(here->cell, next, sizeof next);
+    for (int k = 0; k < 3; k++)
+      here->cell[k] = next[k];
     if (!em_blocks_enter(p, i)) return false;
   }
   if (p->near) here->near = *em_blocks_near(p, here->cell);
@@ -378,8 +380,10 @@ static inline const uint32_t *em_blocks_cross(struct em_world *w, uint32_t i, do
   return p->found;
 }
 
-/* Asks memory for the slots that will be looked through. */
-static inline void em_blocks_fetch(const struct em_world *w, uint32_t i, bool leaves) {
+/* Asks memory for the slots that will be looked through. Always inline, for a compiler may take a
+ * function that does nothing else for one without effect, and leave its calls out. */
+static inline __attribute__((always_inline)) void em_blocks_fetch(const struct em_world *w,
+                                                                  uint32_t i, bool leaves) {
   const struct em_places *p = w->places;
   const struct em_plan *here = &p->plan[i];
   const uint32_t *slot = em_blocks_slot(p, here->cell);

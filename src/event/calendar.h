@@ -88,7 +88,8 @@ bool em_calendar_make_room(struct em_queue *q, uint32_t bin);
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
 
 /* Asks memory for that bin. */
-static inline void em_calendar_fetch(const struct em_queue *q, uint32_t ahead) {
+static inline __attribute__((always_inline)) void em_calendar_fetch(const struct em_queue *q,
+                                                                    uint32_t ahead) {
   em_fetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
 }
 
