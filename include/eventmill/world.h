@@ -29,7 +29,8 @@ struct em_contact {
   double work;          /* J, done by a moving surface on the ball; 0 for pairs */
 };
 
-/* Observers do not change the world. Any callback may be NULL. */
+/* Observers neither change the world nor ask about it: they are told in the midst of an event. Any
+ * callback may be NULL. */
 struct em_observer {
   void *self;
   void (*contact)(void *self, const struct em_contact *contact);

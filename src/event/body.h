@@ -19,7 +19,8 @@ struct em_body {
   double radius;     /* m */
 } __attribute__((aligned(64)));
 
-enum { EM_FETCH_FROM = 24576 }; /* balls: from here on they do not fit into the nearest caches */
+/* Numbers of balls that do not fit into the nearest caches any more, into the next ones neither. */
+enum { EM_FETCH_CLOSE_FROM = 6000, EM_FETCH_FROM = 24576 };
 
 /* Partners are balls (their index) or surfaces (EM_SURFACE + number). */
 enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
@@ -82,6 +83,7 @@ struct em_world {
   struct em_places *places; /* what the partition keeps */
   bool cells;               /* that these are cells */
   bool joins;               /* the contacts of two balls that have met are predicted together */
+  bool fetches_close;       /* memory is asked for their candidates before they meet */
   double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;
 

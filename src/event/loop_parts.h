@@ -48,11 +48,26 @@ static inline bool local_add(struct em_world *w, uint32_t i, const struct em_pre
   return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }
 
-/* `place`: how many candidates of another ball, and what is behind them, are to be kept. */
-static inline const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t place,
-                                         uint32_t *count) {
-  return w->cells ? em_blocks_candidates(w, i, place, count)
-                  : w->partition_kind->candidates(w, i, count);
+struct candidates {
+  const uint32_t *id;
+  uint32_t count;
+};
+
+/* Those of ball i. `place`: how many of another ball, and what is behind them, are to be kept. */
+static inline struct candidates candidates_of(struct em_world *w, uint32_t i, uint32_t place) {
+  struct candidates c;
+  c.id = w->cells ? em_blocks_candidates(w, i, place, &c.count)
+                  : w->partition_kind->candidates(w, i, &c.count);
+  return c;
+}
+
+/* The same before the contact that they are asked for. */
+static inline struct candidates candidates_soon(struct em_world *w, uint32_t i, uint32_t place) {
+  const struct candidates c = candidates_of(w, i, place);
+  if (w->fetches_close)
+    for (uint32_t k = 0; k < c.count; k++)
+      em_fetch_close(&w->body[c.id[k]]);
+  return c;
 }
 
 /* Does a prediction of ball i hold, or has its partner had a contact since? */

@@ -42,25 +42,22 @@ static bool FN(settle)(struct em_world *w, uint32_t i, double now) {
 
 /* Predicts all events of ball i anew. */
 static bool FN(predict)(struct em_world *w, uint32_t i, double now) {
-  uint32_t n;
-  const uint32_t *id = candidates(w, i, 0, &n);
+  const struct candidates c = candidates_of(w, i, 0);
   w->tally.predictions++;
-  return FN(predict_pairs)(w, i, id, n, now, true) && FN(settle)(w, i, now);
+  return FN(predict_pairs)(w, i, c.id, c.count, now, true) && FN(settle)(w, i, now);
 }
 
 /* Predicts all events of two balls that have just met. The processor works on the roots of one
  * while it waits for those of the other, if they are near enough to each other: a gain of 1.15. */
 static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32_t i, uint32_t j,
-                                                      double now) {
-  if (!w->joins) return FN(predict)(w, i, now) && FN(predict)(w, j, now);
-  uint32_t n, m;
-  const uint32_t *id_i = candidates(w, i, 0, &n), *id_j = candidates(w, j, n + 8, &m);
+                                                      const struct candidates *of_i,
+                                                      const struct candidates *of_j, double now) {
   w->tally.predictions += 2;
-  w->tally.candidates += n + m;
-  const struct FN(earliest) a = FN(earliest_of)(w, i, id_i, n, now, true);
-  const struct FN(earliest) b = FN(earliest_of)(w, j, id_j, m, now, true);
-  w->plan[i].first = FN(choose)(w, i, id_i, n, now, &a);
-  w->plan[j].first = FN(choose)(w, j, id_j, m, now, &b);
+  w->tally.candidates += of_i->count + of_j->count;
+  const struct FN(earliest) a = FN(earliest_of)(w, i, of_i->id, of_i->count, now, true);
+  const struct FN(earliest) b = FN(earliest_of)(w, j, of_j->id, of_j->count, now, true);
+  w->plan[i].first = FN(choose)(w, i, of_i->id, of_i->count, now, &a);
+  w->plan[j].first = FN(choose)(w, j, of_j->id, of_j->count, now, &b);
   return FN(settle)(w, i, now) && FN(settle)(w, j, now);
 }
 
@@ -164,6 +161,32 @@ static bool FN(tidy)(struct em_world *w, double now) {
   return true;
 }
 
+/* Balls i and j meet. Whom they may meet next the contact does not change: so it is asked before,
+ * and processor and memory work on both at a time: gains of 1.01 to 1.03, of 1.1 in a dense gas of
+ * 10⁴ balls. */
+static enum em_status FN(hit_ball)(struct em_world *w, uint32_t i, uint32_t j, double t,
+                                   struct em_error *err) {
+  struct candidates of_i = {NULL, 0}, of_j = {NULL, 0};
+  if (w->joins) of_i = candidates_soon(w, i, 0), of_j = candidates_soon(w, j, of_i.count + 8);
+  const enum em_status status = FN(collide_pair)(w, i, j, t, err);
+  if (status) return status;
+  w->clock = t;
+  FN(moved)(w, i);
+  FN(moved)(w, j);
+  const bool done = w->joins ? FN(predict_two)(w, i, j, &of_i, &of_j, t)
+                             : FN(predict)(w, i, t) && FN(predict)(w, j, t);
+  return done ? EM_OK : no_memory(err);
+}
+
+static enum em_status FN(hit_surface)(struct em_world *w, uint32_t i, uint32_t code, double t,
+                                      struct em_error *err) {
+  const enum em_status status = FN(collide_surface)(w, i, code, t, err);
+  if (status) return status;
+  w->clock = t;
+  FN(moved)(w, i);
+  return FN(predict)(w, i, t) ? EM_OK : no_memory(err);
+}
+
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
@@ -186,17 +209,12 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
       if (w->plan[i].leave <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
       continue;
     }
-    const uint32_t partner = local_first(w, i)->partner;
-    const bool pair = partner < EM_SURFACE;
     const double at = t > w->clock ? t : w->clock;
-    const enum em_status status = pair ? FN(collide_pair)(w, i, partner, at, err)
-                                       : FN(collide_surface)(w, i, partner, at, err);
+    const uint32_t partner = local_first(w, i)->partner;
+    const enum em_status status = partner < EM_SURFACE ? FN(hit_ball)(w, i, partner, at, err)
+                                                       : FN(hit_surface)(w, i, partner, at, err);
     if (status) return status;
-    w->clock = at;
     --*left;
-    FN(moved)(w, i);
-    if (pair) FN(moved)(w, partner);
-    if (pair ? !FN(predict_two)(w, i, partner, at) : !FN(predict)(w, i, at)) return no_memory(err);
   }
   return EM_OK;
 }
