@@ -113,7 +113,7 @@ static void test_periodic(void **state) {
   compare(periodic_box, "contact.rule=rough contact.tangential=-1.0", SLOW, CHEAP);
 }
 
-/* So large that memory is asked for ahead. */
+/* So large that memory is asked for ahead, or before a contact. */
 static const char large_box[] =
     "gravity=\"none\";chamber={shape=\"box\";size=[0.16,0.16,0.16];periodic=true;};"
     "contact={rule=\"smooth\";normal=1.0;};balls={count=27000;diameter=0.005;};";
@@ -121,6 +121,7 @@ static const char large_box[] =
 static void test_large(void **state) {
   (void)state;
   compare(large_box, "", 3 * FEW, CHEAP);
+  compare(large_box, "balls.count=8000", FEW, CHEAP);
   compare(large_box, "balls.diameter=0.003 gravity=[0.0,0.0,-9.81]", FEW, CHEAP);
 }
 
