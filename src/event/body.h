@@ -84,7 +84,6 @@ struct em_world {
   bool cells;               /* that these are cells */
   bool joins;               /* the contacts of two balls that have met are predicted together */
   bool fetches_close;       /* memory is asked for their candidates before they meet */
-  bool foresees;            /* and for what the events of the calendar's next bins will read */
   double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;
 

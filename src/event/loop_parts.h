@@ -117,7 +117,7 @@ static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves
 
 /* The calendar knows which balls come next: what stands at their numbers is asked for two bins
  * ahead; what that points to, and what stands at the numbers of those that they will meet, one bin
- * ahead; and the candidates of both when the bin begins, or else before their contact. */
+ * ahead; and the candidates of both when the bin begins. */
 static inline void foresee(struct em_world *w) {
   uint32_t ball[FORESEEN], partner[FORESEEN], pairs = 0;
   em_calendar_fetch(w->queue, 4);
@@ -132,7 +132,6 @@ static inline void foresee(struct em_world *w) {
     if (!leaves && plan->first.partner < EM_SURFACE) fetch_ball(w, plan->first.partner);
     fetch_place(w, ball[k], leaves);
   }
-  if (w->fetches_close) return;
   n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
     const struct em_prediction *p = &w->plan[ball[k]].first;

@@ -191,10 +191,11 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
   const bool bins = w->calendar && !w->keeps_all;
+  const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
   while (*left > 0) {
     if (bins && em_calendar_is_over(w->queue)) {
       if (!em_calendar_advance(w->queue)) return EM_OK;
-      if (w->foresees) foresee(w);
+      if (foresight) foresee(w);
       if (!FN(tidy)(w, w->clock)) return no_memory(err);
       continue;
     }
