@@ -131,7 +131,7 @@ static enum em_status choose_plate(enum em_track_plate *plate, const double *t, 
   const bool y_returns = sy == EM_OK && fit(&by, t, y, n, split, err) == EM_OK;
   const double change_y = y_returns ? fabs(by.p[3] - by.p[1]) : 0.0;
   if (!x_returns && !y_returns) return sy;
-  if (change_x >= change_y)
+  if (x_returns && (!y_returns || change_x >= change_y))
     *plate = bx.p[1] > 0.0 ? EM_TRACK_RIGHT : EM_TRACK_LEFT;
   else
     *plate = by.p[1] > 0.0 ? EM_TRACK_BOTTOM : EM_TRACK_TOP;

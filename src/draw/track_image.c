@@ -157,7 +157,7 @@ static int clamped(int k, int size) {
 /* Along rows (step 1) or columns. */
 static void blur(const float *in, float *out, int width, int height, double sigma, bool down) {
   enum { MOST = 32 };
-  float weight[MOST + 1], sum = 0.0F;
+  float weight[MOST + 1] = {0.0F}, sum = 0.0F;
   const int reach = (int)fmin(ceil(3.0 * sigma), MOST);
   for (int k = 0; k <= reach; k++) {
     weight[k] = (float)exp(-0.5 * k * k / (sigma * sigma));

@@ -1,4 +1,4 @@
-/* Part of loop_template.h: what a contact does to a ball and its partner. */
+/* Part of loop_template.h, a template: what a contact does to a ball and its partner. */
 
 /* Counts contacts in a row. */
 static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {

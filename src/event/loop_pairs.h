@@ -1,5 +1,5 @@
-/* Part of loop_template.h: when balls meet, one pair at a time, to the same bits many at a time,
- * and the earliest of a ball's candidates. */
+/* Part of loop_template.h, a template: when balls meet, one pair at a time, to the same bits many
+ * at a time, and the earliest of a ball's candidates. */
 
 /* When balls i and j touch, from their states at the later of their last real events. `now` only
  * chooses the periodic image. The pair that has just collided is left out. */

@@ -1,4 +1,4 @@
-/* Part of loop_template.h: when balls meet walls, the drum and blades.
+/* Part of loop_template.h, a template: when balls meet walls, the drum and blades.
  *
  * What a ball meets is found from its last contact on, so that it does not depend on when that is
  * asked. That it meets nothing can be seen, mostly, from where it is now, which spares half the

@@ -142,7 +142,8 @@ static void empty_and_odd_input(void **state) {
 /* Each law: area 1, cdf the integral of the pdf, moments of the laws in closed form. */
 static void laws_integrate(void **state) {
   (void)state;
-  for (int law = 0; law < EM_DISTRIBUTION_COUNT; law++) {
+  for (int n = 0; n < EM_DISTRIBUTION_COUNT; n++) {
+    const enum em_distribution law = (enum em_distribution)n;
     const double a = 0.37, low = law == EM_DISTRIBUTION_NORMAL ? -12.0 * a : 0.0;
     const double high = em_distribution_freedom(law) ? 12.0 * a : a;
     enum { N = 100000 };

@@ -206,7 +206,8 @@ static void p_values_are_uniform(void **state) {
   (void)state;
   enum { N = 2000 };
   static double u[N], ks[SEEDS], chi2[SEEDS];
-  for (int law = 0; law < EM_DISTRIBUTION_COUNT; law++) {
+  for (int n = 0; n < EM_DISTRIBUTION_COUNT; n++) {
+    const enum em_distribution law = (enum em_distribution)n;
     for (unsigned seed = 0; seed < SEEDS; seed++) {
       gsl_rng_set(rng, 100 + seed);
       for (int i = 0; i < N; i++)
