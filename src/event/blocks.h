@@ -114,8 +114,7 @@ static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, 
   const v4d low = {bx[0], by[0], bz[0], 0.0}, high = {bx[1], by[1], bz[1], 0.0};
   const v4d speed = {v.x, v.y, v.z, 0.0};
   v4d place = {x.x, x.y, x.z, 0.0};
-  if (periodic)
-    place = place - p->period * (((place - low) * p->per_period + EM_NEAREST) - EM_NEAREST);
+  if (periodic) place = place - p->period * v4d_nearest((place - low) * p->per_period);
   v4l up;
   const v4d all = falls ? em_blocks_curved(p, place, speed, low, high, &up)
                         : em_blocks_straight(place, speed, low, high, &up);

@@ -9,6 +9,7 @@
 #include "event/local.h"
 #include "event/plan.h"
 #include "event/queue.h"
+#include "event/vectors.h"
 #include "eventmill/world.h"
 
 /* The hot record of a ball, one cache line: its state at its own last real event. */
@@ -134,10 +135,7 @@ struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);
 
-/* Whole periods in a distance: 0 where the box is closed, for then per_period is 0. Adding the
- * constant rounds to the nearest integer, for |x| < 2^51, the same in scalars and vectors. */
-#define EM_NEAREST 6755399441055744.0
-
+/* Whole periods in a distance: 0 where the box is closed, for then per_period is 0. */
 static inline double em_body_shift(double d, double period, double per_period) {
   return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
 }

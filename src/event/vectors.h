@@ -138,6 +138,18 @@ static inline v4d v4d_sqrt(v4d a) {
 #endif
 }
 
+/* Adding this and taking it away rounds to the nearest integer, for |x| < 2^51: to the same one as
+ * the instructions do. */
+#define EM_NEAREST 6755399441055744.0
+
+static inline v4d v4d_nearest(v4d a) {
+#ifdef __AVX2__
+  return _mm256_round_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+#else
+  return (a + EM_NEAREST) - EM_NEAREST;
+#endif
+}
+
 static inline v4d v4d_least(v4d a, v4d b) {
   return v4d_choose(a < b, a, b);
 }
