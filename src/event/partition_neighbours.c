@@ -19,7 +19,7 @@
 #define KEEP     0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
 
 enum {
-  LIST_LEAST = 16,  /* a list's room is at least this, doubled when full */
+  LIST_LEAST = 16,  /* a list's room is at least this, doubled when full, halved when it can be */
   LIST_CLASSES = 28 /* rooms up to LIST_LEAST << 27 */
 };
 
@@ -115,24 +115,24 @@ static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
   return true;
 }
 
-static bool list_widen(struct em_places *p, struct list *l) {
+/* Moves a list to another room, at least its count. */
+static bool list_move(struct em_places *p, struct list *l, uint32_t room) {
   const unsigned k = class_of(l->room);
   uint32_t at;
-  if (!list_take(p, 2 * l->room, &at)) return false;
+  if (!list_take(p, room, &at)) return false;
   memcpy(p->pool + at, p->pool + l->at, l->count * sizeof *p->pool);
   if (p->spare_count[k] == p->spare_room[k] &&
       !grow((void **)&p->spare[k], sizeof **p->spare, &p->spare_room[k], p->spare_count[k] + 1))
     return false;
   p->spare[k][p->spare_count[k]++] = l->at;
   l->at = at;
-  l->room *= 2;
-  return l->room <= p->gone_room ||
-         grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, l->room);
+  l->room = room;
+  return room <= p->gone_room || grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, room);
 }
 
 static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
   struct list *l = &p->of[i].list;
-  if (l->count == l->room && !list_widen(p, l)) return false;
+  if (l->count == l->room && !list_move(p, l, 2 * l->room)) return false;
   p->pool[l->at + l->count++] = j;
   return true;
 }
@@ -343,6 +343,8 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   uint32_t found;
   if (!search(w, p, i, &found)) goto memory;
   *count = exchange(p, i, found);
+  if (l->room > LIST_LEAST && l->count + *count <= l->room / 2 && !list_move(p, l, l->room / 2))
+    goto memory;
   for (uint32_t k = 0; k < *count; k++)
     if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) goto memory;
   if (!em_shells_enter(&p->shells, i, s->centre, hull_of(w, i))) goto memory;

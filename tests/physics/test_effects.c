@@ -123,10 +123,27 @@ static void test_bytes(void **state) {
   assert_true(bytes(GAS, "contact.rule=friction") == plain + sizeof(struct em_vec));
 }
 
+/* A dense gas, in which lists of neighbours are used, keeps within 400 bytes per ball, however long
+ * it runs: lists that were long give their room back. */
+static void test_lists_stay_small(void **state) {
+  (void)state;
+  static const char dense[] =
+      "duration = 1e9; gravity = \"none\"; contact = { rule = \"smooth\"; normal = 1.0; };"
+      "chamber = { shape = \"box\"; size = [10.16, 10.16, 10.16]; periodic = [true, true, true]; };"
+      "balls = { count = 1000; diameter = 1.0; speed = 1.0; start = \"lattice\"; };";
+  struct trial t;
+  trial_open(&t, dense, "%s", "engine.partition=neighbours");
+  trial_collide(&t, 600000);
+  assert_true(em_world_bytes_per_ball(t.world) < 400.0);
+  trial_valid(&t, 1e-12);
+  trial_free(&t);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_spins),  cmocka_unit_test(test_masses), cmocka_unit_test(test_variants),
-      cmocka_unit_test(test_unread), cmocka_unit_test(test_bytes),
+      cmocka_unit_test(test_spins),    cmocka_unit_test(test_masses),
+      cmocka_unit_test(test_variants), cmocka_unit_test(test_unread),
+      cmocka_unit_test(test_bytes),    cmocka_unit_test(test_lists_stay_small),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
