@@ -9,18 +9,22 @@ static void FN(advance)(struct em_world *w, uint32_t i, double t) {
   struct em_body *b = &w->body[i];
   FN(fly)(w, b, t);
   if (WITH(PERIODIC)) {
-    b->x = wrap(b->x, w->low.x, w->period.x);
-    b->y = wrap(b->y, w->low.y, w->period.y);
-    b->z = wrap(b->z, w->low.z, w->period.z);
+    b->x = wrap(b->x, w->low.x, w->period.x, w->per_period.x);
+    b->y = wrap(b->y, w->low.y, w->period.y, w->per_period.y);
+    b->z = wrap(b->z, w->low.z, w->period.z, w->per_period.z);
   }
 }
 
-/* By division: m (1/m) is not 1, and that error, the same at each contact, would add up. */
-static void FN(push)(struct em_world *w, uint32_t i, double mass, struct em_vec impulse) {
-  struct em_body *b = &w->body[i];
-  b->vx = b->vx + impulse.x / mass;
-  b->vy = b->vy + impulse.y / mass;
-  b->vz = b->vz + impulse.z / mass;
+/* What an impulse adds to the velocity of a mass. By division: m (1/m) is not 1, and that error, the
+ * same at each contact, would add up. */
+static inline struct em_vec FN(kick)(struct em_vec impulse, double mass) {
+  return (struct em_vec){impulse.x / mass, impulse.y / mass, impulse.z / mass};
+}
+
+static inline void FN(push)(struct em_body *b, double sign, struct em_vec kick) {
+  b->vx = b->vx + sign * kick.x;
+  b->vy = b->vy + sign * kick.y;
+  b->vz = b->vz + sign * kick.z;
 }
 
 /* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
@@ -105,8 +109,9 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
     return em_collapse_stuck(w, i, j, t, p.vn, err);
   const struct em_vec sum = WITH(SPIN) ? em_vec_add(p.normal, p.tangential) : p.normal;
   double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
-  FN(push)(w, i, mi, sum);
-  FN(push)(w, j, -mj, sum);
+  const struct em_vec kick = FN(kick)(sum, mi);
+  FN(push)(&w->body[i], 1.0, kick);
+  FN(push)(&w->body[j], -1.0, w->mass ? FN(kick)(sum, mj) : kick);
   if (WITH(SPIN)) {
     const struct em_vec twist = em_vec_cross(e, p.tangential);
     gain += FN(spin_up)(w, i, mi, law, twist);
@@ -192,7 +197,7 @@ static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32
   const struct em_vec sum = WITH(SPIN) ? em_vec_add(p.normal, p.tangential) : p.normal;
   double gain = em_vec_dot(sum, v) + 0.5 * em_vec_norm2(sum) / m;
   const double work = em_vec_dot(sum, surface);
-  FN(push)(w, i, m, sum);
+  FN(push)(&w->body[i], 1.0, FN(kick)(sum, m));
   if (WITH(SPIN)) gain += FN(spin_up)(w, i, m, law, em_vec_cross(e, p.tangential));
   w->contacts++;
   mark(w, i, code, si);

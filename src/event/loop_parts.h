@@ -152,8 +152,9 @@ static inline vd image_shift(vd d, double period, double per_period) {
   return period * vd_nearest(d * per_period);
 }
 
-static inline double wrap(double x, double low, double period) {
-  return period > 0.0 ? x - period * floor((x - low) / period) : x;
+/* Back into the box; as it is where the box is closed, for then per_period is 0. */
+static inline double wrap(double x, double low, double period, double per_period) {
+  return x - period * floor((x - low) * per_period);
 }
 
 /* --- bookkeeping ------------------------------------------------------------------------------ */
