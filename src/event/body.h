@@ -84,7 +84,8 @@ struct em_world {
   struct em_places *places; /* what the partition keeps */
   bool cells;               /* that these are cells */
   bool joins;               /* the contacts of two balls that have met are predicted together */
-  bool fetches_close;       /* memory is asked for their candidates before they meet */
+  bool fetches_close;       /* memory is asked for their candidates before they meet, */
+  bool fetches_lists;       /* and for their lists before that */
   double early;             /* m before the end of its place that a ball may be moved on */
   const struct em_loop_kind *loop;
 

@@ -15,8 +15,8 @@ static void FN(advance)(struct em_world *w, uint32_t i, double t) {
   }
 }
 
-/* What an impulse adds to the velocity of a mass. By division: m (1/m) is not 1, and that error, the
- * same at each contact, would add up. */
+/* What an impulse adds to the velocity of a mass. By division: m (1/m) is not 1, and that error,
+ * the same at each contact, would add up. */
 static inline struct em_vec FN(kick)(struct em_vec impulse, double mass) {
   return (struct em_vec){impulse.x / mass, impulse.y / mass, impulse.z / mass};
 }

@@ -146,6 +146,19 @@ static inline void foresee(struct em_world *w) {
     fetch_candidates(w, partner[k], false);
 }
 
+/* In systems of medium size: the lists of n balls and of their partners. Where they are is asked
+ * for when their bin begins, they themselves (`beyond`) when it has been tidied up: a gain of 1.04
+ * in a dense gas of 10⁴ balls. */
+static inline void fetch_lists(const struct em_world *w, const uint32_t *ball, uint32_t n,
+                               bool beyond) {
+  if (!w->fetches_lists) return;
+  for (uint32_t k = 0; k < n; k++) {
+    const uint32_t i = ball[k], partner = w->plan[i].first.partner;
+    w->partition_kind->fetch(w, i, beyond, false);
+    if (partner < EM_SURFACE) w->partition_kind->fetch(w, partner, beyond, false);
+  }
+}
+
 /* --- periodic images -------------------------------------------------------------------------- */
 
 static inline vd image_shift(vd d, double period, double per_period) {

@@ -129,20 +129,21 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
  * cannot foretell what the next event is, goes through many of a kind without wrong guesses: a gain
  * of 1.1. */
 static bool FN(tidy)(struct em_world *w, double now) {
-  uint32_t ball[FORESEEN], stale[FORESEEN], leaving = 0, staying = 0, near = 0, rest = 0;
+  uint32_t ball[FORESEEN], stays[FORESEEN], stale[FORESEEN], leaving = 0, staying = 0, near = 0,
+                                                             rest = 0;
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
     const bool leaves = leaves_first(w, i);
-    ball[leaving] = stale[staying] = i;
+    ball[leaving] = stays[staying] = i;
     leaving += leaves;
     staying += !leaves;
   }
   for (uint32_t k = 0; k < staying; k++) {
-    const uint32_t i = stale[k];
-    stale[rest] = i;
-    rest += !holds(w, i, &w->plan[i].first);
+    stale[rest] = stays[k];
+    rest += !holds(w, stays[k], &w->plan[stays[k]].first);
   }
+  fetch_lists(w, stays, staying, false);
   for (uint32_t k = 0; k < leaving; k++) {
     const struct em_body *b = &w->body[ball[k]];
     const double leave = w->plan[ball[k]].leave, fallen = w->fall * (leave - b->t);
@@ -158,6 +159,7 @@ static bool FN(tidy)(struct em_world *w, double now) {
   }
   for (uint32_t k = 0; k < rest; k++)
     if (!FN(renew)(w, stale[k], now)) return false;
+  fetch_lists(w, stays, staying, true);
   return true;
 }
 
