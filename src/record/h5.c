@@ -161,6 +161,10 @@ bool em_h5_get_numbers(hid_t file, const char *path, const char *name, hid_t mem
 
 /* ---------------------------------------------------------------- datasets */
 
+int em_h5_level_of_reals(int deflate) {
+  return deflate < 4 ? 0 : deflate;
+}
+
 static hid_t layout(struct em_h5_shape shape, hsize_t chunk, int deflate) {
   hsize_t dims[EM_H5_RANK];
   for (int i = 0; i < shape.rank; i++)

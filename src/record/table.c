@@ -7,9 +7,7 @@
 
 #include "record/layout.h"
 
-/* Below level FLOATS_FROM single-precision columns are stored as they are: their mantissas are
- * noise, and deflate takes longer for them than for all others to gain a sixth. */
-enum { CHUNK_ROWS = 32768, FLOATS_FROM = 4 };
+enum { CHUNK_ROWS = 32768 };
 
 /* While one block is being filled, the other is being written. */
 struct block {
@@ -83,7 +81,7 @@ static void path_of(const struct em_table_column *column, char *path, size_t siz
 
 static int level_of(const struct em_table_column *column, int deflate) {
   const unsigned whole = EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_BALL | EM_COLUMN_PARTNER;
-  return deflate >= FLOATS_FROM || (column->bit & whole) ? deflate : 0;
+  return column->bit & whole ? deflate : em_h5_level_of_reals(deflate);
 }
 
 bool em_table_create(hid_t file, size_t balls, int deflate) {

@@ -125,7 +125,7 @@ static bool create_element(hid_t file, const char *path, const struct em_log *st
 }
 
 static bool create_frames(const struct em_writer *w) {
-  const int deflate = w->scene->record.compression;
+  const int deflate = em_h5_level_of_reals(w->scene->record.compression);
   if (w->scene->record.frames <= 0.0) return true;
   return em_h5_group(w->file, EM_LAYOUT_BALLS "/position") &&
          em_log_create(&w->frame_step, w->file, 0, NULL) &&

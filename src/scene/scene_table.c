@@ -233,7 +233,8 @@ static const struct em_scene_entry record[] = {
     {"checkpoint", EM_KIND_REAL, AT(em_recording, checkpoint), "30", ABOVE(0), "s",
      "of computing time between checkpoints"},
     {"compression", EM_KIND_INTEGER, AT(em_recording, compression), "1", RANGE(0, 9), "",
-     "deflate level"},
+     "deflate level; below 4 frames and the table's speeds, places and normals are stored as they "
+     "are"},
 };
 TABLE(record, "record", record);
 
