@@ -406,21 +406,17 @@ static inline __attribute__((always_inline)) void em_blocks_fetch(const struct e
   }
 }
 
-/* Asks memory for the balls that will be tested. */
-static inline void em_blocks_fetch_balls(struct em_world *w, uint32_t i, bool leaves) {
+/* The balls that will be tested when ball i's event comes up, and behind them any balls. */
+static inline const uint32_t *em_blocks_upcoming(struct em_world *w, uint32_t i, bool leaves,
+                                                 uint32_t *count) {
   const struct em_places *p = w->places;
   const struct em_plan *here = &p->plan[i];
-  const uint32_t *end;
-  if (leaves && here->exit != EM_BLOCKS_STAYS) {
-    uint16_t next[3];
-    em_blocks_next(p, i, next);
-    const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
-    end = em_blocks_nine(p, &s, i, p->found);
-  } else {
-    end = em_blocks_around(p, i, p->found);
-  }
-  for (const uint32_t *id = p->found; id < end; id++)
-    em_fetch(&w->body[*id]);
+  if (!leaves || here->exit == EM_BLOCKS_STAYS) return em_blocks_candidates(w, i, 0, count);
+  uint16_t next[3];
+  em_blocks_next(p, i, next);
+  const struct em_blocks_slab s = em_blocks_beyond(p, next, here->exit);
+  *count = (uint32_t)(em_blocks_nine(p, &s, i, p->found) - p->found);
+  return p->found;
 }
 
 #endif

