@@ -129,8 +129,8 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
  * cannot foretell what the next event is, goes through many of a kind without wrong guesses: a gain
  * of 1.1. */
 static bool FN(tidy)(struct em_world *w, double now) {
-  uint32_t ball[FORESEEN], stays[FORESEEN], stale[FORESEEN], leaving = 0, staying = 0, near = 0,
-                                                             rest = 0;
+  uint32_t ball[FORESEEN], stays[FORESEEN], stale[FORESEEN];
+  uint32_t leaving = 0, staying = 0, near = 0, rest = 0;
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
