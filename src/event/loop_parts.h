@@ -53,6 +53,21 @@ struct candidates {
   uint32_t count;
 };
 
+/* Asks memory for candidates, eight at a time, with what stands behind the last of them: a gain
+ * of 1.02. `close`: they are read within this event. Always inline: see em_blocks_fetch. */
+static inline __attribute__((always_inline)) void
+fetch_bodies(const struct em_world *w, const struct candidates *c, bool close) {
+  for (uint32_t k = 0; k < c->count; k += 8)
+#pragma GCC unroll 8
+    for (uint32_t h = 0; h < 8; h++) {
+      const struct em_body *body = &w->body[c->id[k + h]];
+      if (close)
+        em_fetch_close(body);
+      else
+        em_fetch(body);
+    }
+}
+
 /* Those of ball i. `place`: how many of another ball, and what is behind them, are to be kept. */
 static inline struct candidates candidates_of(struct em_world *w, uint32_t i, uint32_t place) {
   struct candidates c;
@@ -61,15 +76,10 @@ static inline struct candidates candidates_of(struct em_world *w, uint32_t i, ui
   return c;
 }
 
-/* The same before the contact that they are asked for. Memory is asked for eight at a time, whether
- * they are candidates or stand behind them: a gain of 1.02. */
+/* The same before the contact that they are asked for. */
 static inline struct candidates candidates_soon(struct em_world *w, uint32_t i, uint32_t place) {
   const struct candidates c = candidates_of(w, i, place);
-  if (!w->fetches_close) return c;
-  for (uint32_t k = 0; k < c.count; k += 8)
-#pragma GCC unroll 8
-    for (uint32_t h = 0; h < 8; h++)
-      em_fetch_close(&w->body[c.id[k + h]]);
+  if (w->fetches_close) fetch_bodies(w, &c, true);
   return c;
 }
 
@@ -97,18 +107,15 @@ static inline void fetch_ball(const struct em_world *w, uint32_t i) {
 
 /* The balls whose bodies a prediction of ball i will read, or that of its crossing. */
 static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves) {
-  uint32_t count;
-  const uint32_t *id = w->cells ? em_blocks_upcoming(w, i, leaves, &count)
-                                : w->partition_kind->candidates(w, i, &count);
-  if (leaves && !w->cells) {
-    for (uint32_t k = 0; k < count; k++)
-      w->partition_kind->fetch(w, id[k], false, false);
+  struct candidates c;
+  c.id = w->cells ? em_blocks_upcoming(w, i, leaves, &c.count)
+                  : w->partition_kind->candidates(w, i, &c.count);
+  if (w->cells || !leaves) {
+    fetch_bodies(w, &c, false);
     return;
   }
-  for (uint32_t k = 0; k < count; k += 8)
-#pragma GCC unroll 8
-    for (uint32_t h = 0; h < 8; h++)
-      em_fetch(&w->body[id[k + h]]);
+  for (uint32_t k = 0; k < c.count; k++)
+    w->partition_kind->fetch(w, c.id[k], false, false);
 }
 
 static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves) {
