@@ -51,9 +51,8 @@ PKG_LIBS   := $(if $(MISSING),,$(shell pkg-config --libs $(PACKAGES)))
 LIBS  := $(PKG_LIBS) -lm
 
 # What works on many numbers at a time is built beside the plain code and chosen at run time; never
-# with -mfma, and AVX-512, which has it, without contraction. The instructions for bits, which every
-# processor with AVX2 has: a gain of 1.01 to 1.04.
-FOR_AVX2   := -mavx2 -mbmi -mbmi2
+# with -mfma, and AVX-512, which has it, without contraction.
+FOR_AVX2   := -mavx2
 FOR_AVX512 := $(FOR_AVX2) -mavx512f -mavx512dq -mavx512vl
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine 2>/dev/null)),)
   AVX2 := yes

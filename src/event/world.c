@@ -125,14 +125,12 @@ static void set_balls(struct em_world *w, const struct em_balls *balls) {
 /* How many doubles the loop works on at a time. */
 static unsigned lanes_of(const struct em_engine *engine) {
 #ifdef EM_HAVE_AVX2
-  if (!engine->simd || !__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("bmi") ||
-      !__builtin_cpu_supports("bmi2"))
-    return 1;
   const bool wide = engine->lanes == 0 || engine->lanes == 8;
+  if (!engine->simd) return 1;
   if (wide && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl"))
     return 8;
-  return 4;
+  if (__builtin_cpu_supports("avx2")) return 4;
 #endif
   (void)engine;
   return 1;
