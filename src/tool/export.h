@@ -33,6 +33,9 @@ enum em_status em_export_file_close(struct em_export_file *file, enum em_status 
 void em_export_file_number(char *text, size_t size, const char *path, size_t number,
                            const char *ending);
 
+/* Writes a little-endian float. */
+void em_export_file_float(FILE *out, double x);
+
 /* LAMMPS text dump of all chosen frames, for OVITO: id type x y z vx vy vz radius mass and, with
  * spins, omegax omegay omegaz. */
 enum em_status em_export_text_lammps(const struct em_export *job, struct em_error *err);

@@ -1,5 +1,7 @@
 /* Files that appear complete or not at all. */
+#include <endian.h>
 #include <errno.h>
+#include <stdint.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -34,4 +36,12 @@ void em_export_file_number(char *text, size_t size, const char *path, size_t num
   const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
   if (!dot || (slash && dot < slash)) dot = path + strlen(path);
   snprintf(text, size, "%.*s-%04zu%s", (int)(dot - path), path, number, ending ? ending : dot);
+}
+
+void em_export_file_float(FILE *out, double x) {
+  const float value = (float)x;
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  bits = htole32(bits);
+  fwrite(&bits, sizeof bits, 1, out);
 }

@@ -12,18 +12,10 @@ struct mesh {
   uint32_t triangles;
 };
 
-static void put_float(FILE *out, double x) {
-  const float value = (float)x;
-  uint32_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  bits = htole32(bits);
-  fwrite(&bits, sizeof bits, 1, out);
-}
-
 static void put_vec(FILE *out, struct em_vec v) {
-  put_float(out, v.x);
-  put_float(out, v.y);
-  put_float(out, v.z);
+  em_export_file_float(out, v.x);
+  em_export_file_float(out, v.y);
+  em_export_file_float(out, v.z);
 }
 
 /* The normal is that of the right hand a → b → c. Triangles without area are left out. */

@@ -71,14 +71,6 @@ static void put64(FILE *out, uint64_t x) {
   fwrite(&little, sizeof little, 1, out);
 }
 
-static void put_float(FILE *out, double x) {
-  const float value = (float)x;
-  uint32_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  bits = htole32(bits);
-  fwrite(&bits, sizeof bits, 1, out);
-}
-
 static void write_piece(FILE *out, const struct em_balls *balls, double time) {
   const size_t n = balls->count;
   header(out, n, time);
@@ -86,7 +78,7 @@ static void write_piece(FILE *out, const struct em_balls *balls, double time) {
     put64(out, n * (size_t)arrays[a].components * 4);
     for (size_t i = 0; i < n; i++)
       for (int c = 0; c < arrays[a].components; c++)
-        put_float(out, value_of(balls, a, i, c));
+        em_export_file_float(out, value_of(balls, a, i, c));
   }
   put64(out, n * 8);
   for (size_t i = 0; i < n; i++)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tool/gather.h"
+
 #define NAME(code, name, symbol, unit)   name,
 #define SYMBOL(code, name, symbol, unit) symbol,
 #define UNIT(code, name, symbol, unit)   unit,
@@ -95,13 +97,8 @@ static double of_row(enum em_field_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   if (of == EM_FIELD_HITS) return 1.0;
   if (of == EM_FIELD_LOST) return (double)rows->lost[k];
-  const double vn = (double)rows->vn[k];
-  if (of == EM_FIELD_VN) return vn;
-  if (rows->ball[k] >= balls->count) return NAN;
-  double m = balls->mass[rows->ball[k]];
-  if (rows->cls[k] == EM_CLASS_BALL && rows->partner[k] < balls->count)
-    m = m * balls->mass[rows->partner[k]] / (m + balls->mass[rows->partner[k]]);
-  return 0.5 * m * vn * vn;
+  if (of == EM_FIELD_VN) return (double)rows->vn[k];
+  return em_gather_row_energy(rows, k, balls);
 }
 
 static void add_rows(struct em_field *field, const struct em_rows *rows, unsigned classes,

@@ -151,6 +151,16 @@ static unsigned columns_of(enum em_gather_of of) {
   }
 }
 
+double em_gather_row_energy(const struct em_rows *rows, size_t k, const struct em_balls *balls) {
+  if (rows->ball[k] >= balls->count) return NAN;
+  double m = balls->mass[rows->ball[k]];
+  if (rows->cls[k] == EM_CLASS_BALL && rows->partner[k] < balls->count) {
+    const double other = balls->mass[rows->partner[k]];
+    m = m * other / (m + other);
+  }
+  return 0.5 * m * (double)rows->vn[k] * (double)rows->vn[k];
+}
+
 static double of_row(enum em_gather_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   switch (of) {
@@ -167,15 +177,8 @@ static double of_row(enum em_gather_of of, const struct em_rows *rows, size_t k,
     return g > 0.0 ? fmin((double)rows->vt[k] / g, 1.0 - 1e-12) : NAN;
   }
   default:
-    break;
+    return em_gather_row_energy(rows, k, balls);
   }
-  if (rows->ball[k] >= balls->count) return NAN;
-  double m = balls->mass[rows->ball[k]];
-  if (rows->cls[k] == EM_CLASS_BALL && rows->partner[k] < balls->count) {
-    const double other = balls->mass[rows->partner[k]];
-    m = m * other / (m + other);
-  }
-  return 0.5 * m * (double)rows->vn[k] * (double)rows->vn[k];
 }
 
 /* The first row at or after `time`, to within a block of rows: times are rising. */

@@ -55,6 +55,9 @@ enum em_status em_gather_new(struct em_gather **gather, const struct em_run_file
                              struct em_error *err);
 void em_gather_free(struct em_gather *gather);
 
+/* ½ m v_n² of row k, with the reduced mass where two balls meet; NAN: there is no such ball. */
+double em_gather_row_energy(const struct em_rows *rows, size_t k, const struct em_balls *balls);
+
 /* Figures of class `row` (or EM_GATHER_ALL) with confidence intervals at `level`. */
 enum em_gather_figure {
   EM_GATHER_RATE,     /* 1/s */

@@ -1,5 +1,6 @@
 /* Contact times of the level `reference` are the first contacts to 1 ulp, in 60 digits, with a
  * certificate for each; where it finds none, there is none. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,11 +54,12 @@ static void tell(const char *name, const struct tally *tally) {
     printf("  %-8s standard: none missed, none invented; at most %.2g s away\n", "", tally->usual);
 }
 
-/* The level standard finds the same contact, or none as well. */
-static void hold_usual(struct tally *tally, double t, double truth) {
+/* The level standard finds the same contact, or none as well; `doubt`: s that the rounding of the
+ * ball's place makes. */
+static void hold_usual(struct tally *tally, double t, double truth, double doubt) {
   assert_true((t < INFINITY) == (truth < INFINITY));
   if (t == truth) return;
-  assert_true(fabs(t - truth) <= 1e-6 * truth + 1e-14);
+  assert_true(fabs(t - truth) <= 1e-6 * truth + 1e-14 + doubt);
   tally->usual = fmax(tally->usual, fabs(t - truth));
 }
 
@@ -172,9 +174,17 @@ static void planes(void **state) {
     certify_add(&sure, 2, -0.5 * fall, 1.0);
     const double t = em_surface_roots_plane(&best, gap, rate, fall, false);
     settle_root(&tally, t, 1e3);
-    hold_usual(&tally, em_surface_roots_plane(&usual, gap, rate, fall, false), t);
+    hold_usual(&tally, em_surface_roots_plane(&usual, gap, rate, fall, false), t, 0.0);
   }
   tell("planes", &tally);
+}
+
+/* Who grazes the drum is long as near to it as the rounding of its place. */
+static double grazing_doubt(struct em_vec r, struct em_vec v, struct em_vec g, double rho,
+                            double t) {
+  if (t == INFINITY) return 0.0;
+  const struct em_vec at = em_vec_axpy(em_vec_axpy(r, t, v), 0.5 * t * t, g);
+  return DBL_EPSILON * rho * rho / em_vec_dot(at, em_vec_axpy(v, t, g));
 }
 
 static void drums(void **state) {
@@ -203,7 +213,8 @@ static void drums(void **state) {
     }
     const double t = em_surface_roots_drum(&best, p, v, g, rho, 0.0025, touched, INFINITY);
     settle_root(&tally, t, 10.0);
-    hold_usual(&tally, em_surface_roots_drum(&usual, p, v, g, rho, 0.0025, touched, INFINITY), t);
+    hold_usual(&tally, em_surface_roots_drum(&usual, p, v, g, rho, 0.0025, touched, INFINITY), t,
+               grazing_doubt(p, v, g, rho, t));
   }
   tell("drums", &tally);
 }
@@ -250,7 +261,7 @@ static double search(const struct em_roots *how) {
 
 static double fly(struct tally *tally) {
   const double t = search(&best);
-  hold_usual(tally, search(&usual), t);
+  hold_usual(tally, search(&usual), t, 0.0);
   if (t < INFINITY) {
     certify_bar_begin(&bar);
     const double low = certify_bar_gap(&bar, nextafter(t, -INFINITY));
