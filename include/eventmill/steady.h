@@ -8,8 +8,8 @@
 
 struct em_steady {
   size_t start;  /* index of the first value to use */
-  bool found;    /* false: MSER would cut more than it may, half of the series; or what is left
-                    has fewer than ten independent values */
+  bool found;    /* MSER cuts less than it may, half of the series, and the rest is not brief */
+  bool brief;    /* the rest has fewer than ten independent values: too short to tell */
   double geweke; /* z of the means of the first 10 % and last 50 % after `start`; NAN: too short */
   double p;      /* its two-sided probability when the series is stationary */
 };

@@ -68,11 +68,12 @@ double em_steady_geweke(const double *x, size_t n) {
 }
 
 struct em_steady em_steady_find(const double *x, size_t n) {
-  struct em_steady out = {em_steady_mser(x, n), false, NAN, NAN};
+  struct em_steady out = {.start = em_steady_mser(x, n), .geweke = NAN, .p = NAN};
   if (out.start < last_cut(n)) {
     const size_t rest = n - out.start;
     const struct em_interval mean = em_interval_series(x + out.start, rest, 0.95);
     out.found = (double)rest >= LEAST_INDEPENDENT * mean.inefficiency;
+    out.brief = !out.found;
   }
   if (out.start < n) out.geweke = em_steady_geweke(x + out.start, n - out.start);
   if (isfinite(out.geweke)) out.p = 2.0 * gsl_cdf_ugaussian_Q(fabs(out.geweke));

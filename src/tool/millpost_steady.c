@@ -18,9 +18,10 @@ static const struct em_millpost_help help = {
     .summary = "Tells from when on a run is stationary.",
     .details =
         "The start is where MSER cuts: the rest then has the least standard error. A cut in the\n"
-        "second half of a series means that no steady state was found. Geweke's test compares the\n"
-        "first tenth of the rest with its second half; a small p says that it still drifts. The\n"
-        "median speed decides (it is the default --from of the other commands).",
+        "second half of a series means that no steady state was found; a rest of fewer than ten\n"
+        "independent values, that the run is too short to tell. Geweke's test compares the first\n"
+        "tenth of the rest with its second half; a small p says that it still drifts. The median\n"
+        "speed decides (it is the default --from of the other commands).",
     .examples = "  millpost steady simoloyer-2l.h5\n"
                 "  millpost steady simoloyer-2l.h5 -o steady.png",
     .options = option_names,
@@ -77,7 +78,7 @@ static void row(struct em_report *report, const struct indicator *indicator,
   em_report_text(report, "%s", indicator->label);
   em_report_text(report, "%s", indicator->unit);
   em_report_number(report, trace->time[start]);
-  em_report_text(report, "%s", steady.found ? "yes" : "no");
+  em_report_text(report, "%s", steady.found ? "yes" : steady.brief ? "too short" : "no");
   em_report_number(report, steady.geweke);
   em_report_number(report, steady.p);
   em_report_interval(report, &mean);

@@ -36,7 +36,8 @@ static enum em_status find_steady(struct em_window *window, const struct em_run_
       window->from = series->time[steady.start];
       snprintf(window->how, sizeof window->how, "steady start by MSER on the median speed");
     } else {
-      rule_of_thumb(window, "no steady state found");
+      rule_of_thumb(window, steady.brief ? "too short to tell whether it is steady"
+                                         : "no steady state found");
     }
   }
   em_run_file_series_free(series);

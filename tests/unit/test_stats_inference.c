@@ -160,6 +160,27 @@ static void mser_finds_the_end_of_ramps(void **state) {
   assert_true(late < 15); /* the criterion is flat: chance may cut more */
 }
 
+/* Noise that remembers a fifth of the series, and the same of which a hundred times as much is
+ * known. */
+static void few_independent_values_are_too_short_to_tell(void **state) {
+  (void)state;
+  enum { N = 500, LONG = 50000 };
+  double *x = malloc(LONG * sizeof *x);
+  gsl_rng_set(rng, 9);
+  int brief = 0, found = 0;
+  for (int r = 0; r < 20; r++) {
+    autoregressive(x, N, 0.98);
+    const struct em_steady s = em_steady_find(x, N);
+    assert_false(s.brief && s.found);
+    brief += s.brief;
+    autoregressive(x, LONG, 0.98);
+    found += em_steady_find(x, LONG).found;
+  }
+  assert_true(brief >= 10);
+  assert_true(found >= 18);
+  free(x);
+}
+
 static void mser_keeps_noise_and_refuses_drift(void **state) {
   (void)state;
   enum { N = 500 };
@@ -174,6 +195,7 @@ static void mser_keeps_noise_and_refuses_drift(void **state) {
   for (int i = 0; i < N; i++)
     x[i] = 0.01 * i + 0.05 * gsl_ran_ugaussian(rng);
   assert_true(!em_steady_find(x, N).found || fabs(em_steady_find(x, N).geweke) > 5.0);
+  assert_false(em_steady_find(x, N).brief);
   assert_int_equal(em_steady_mser(x, 0), 0);
   assert_true(isnan(em_steady_find(x, 3).geweke));
 }
@@ -361,6 +383,7 @@ int main(void) {
       cmocka_unit_test(jackknife_covers),
       cmocka_unit_test(differences),
       cmocka_unit_test(mser_finds_the_end_of_ramps),
+      cmocka_unit_test(few_independent_values_are_too_short_to_tell),
       cmocka_unit_test(mser_keeps_noise_and_refuses_drift),
       cmocka_unit_test(geweke_is_normal_under_the_null),
       cmocka_unit_test(p_values_are_uniform),
