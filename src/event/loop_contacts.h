@@ -75,10 +75,13 @@ static double FN(since)(const struct em_world *w, uint32_t i, double t) {
   return w->plan[i].last == EM_NOBODY ? INFINITY : t - w->body[i].t;
 }
 
-static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t j, double t,
+/* Two balls meet. Whom they may meet next is looked for, where that can be done in place, when the
+ * contact has begun: the processor does it while it waits for roots and quotients. A gain of 1.02
+ * in gases and mills. */
+static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_t other, double t,
+                                       struct candidates *of_one, struct candidates *of_other,
                                        struct em_error *err) {
-  const uint32_t low = i < j ? i : j, high = i ^ j ^ low;
-  i = low, j = high;
+  const uint32_t i = one < other ? one : other, j = one ^ other ^ i;
   const uint32_t si = FN(streak)(w, i, t), sj = FN(streak)(w, j, t);
   if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
     return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
@@ -100,6 +103,10 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t i, uint32_t 
       WITH(SPIN) ? em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
                                                             em_vec_scale(b->radius, w->spin[j]))))
                  : u;
+  if (w->joins && w->cells) {
+    *of_one = candidates_soon(w, one, 0);
+    *of_other = candidates_soon(w, other, of_one->count + 8);
+  }
   const double mi = w->mass ? w->mass[i] : w->mass0, mj = w->mass ? w->mass[j] : w->mass0;
   const double meff = mi * mj / (mi + mj);
   const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));

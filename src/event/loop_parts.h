@@ -76,7 +76,7 @@ static inline struct candidates candidates_of(struct em_world *w, uint32_t i, ui
   return c;
 }
 
-/* The same before the contact that they are asked for. */
+/* The same before a prediction is asked for. */
 static inline struct candidates candidates_soon(struct em_world *w, uint32_t i, uint32_t place) {
   const struct candidates c = candidates_of(w, i, place);
   if (w->fetches_close) fetch_bodies(w, &c, true);

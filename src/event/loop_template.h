@@ -164,13 +164,16 @@ static bool FN(tidy)(struct em_world *w, double now) {
 }
 
 /* Balls i and j meet. Whom they may meet next the contact does not change: so it is asked before,
- * and processor and memory work on both at a time: gains of 1.01 to 1.03, of 1.1 in a dense gas of
- * 10⁴ balls. */
+ * or meanwhile, and processor and memory work on both at a time: gains of 1.01 to 1.03, of 1.1 in a
+ * dense gas of 10⁴ balls. */
 static enum em_status FN(hit_ball)(struct em_world *w, uint32_t i, uint32_t j, double t,
                                    struct em_error *err) {
   struct candidates of_i = {NULL, 0}, of_j = {NULL, 0};
-  if (w->joins) of_i = candidates_soon(w, i, 0), of_j = candidates_soon(w, j, of_i.count + 8);
-  const enum em_status status = FN(collide_pair)(w, i, j, t, err);
+  if (w->joins && !w->cells) {
+    of_i = candidates_soon(w, i, 0);
+    of_j = candidates_soon(w, j, of_i.count + 8);
+  }
+  const enum em_status status = FN(collide_pair)(w, i, j, t, &of_i, &of_j, err);
   if (status) return status;
   w->clock = t;
   FN(moved)(w, i);
