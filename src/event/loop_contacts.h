@@ -77,7 +77,7 @@ static double FN(since)(const struct em_world *w, uint32_t i, double t) {
 
 /* Two balls meet. Whom they may meet next is looked for, where that can be done in place, when the
  * contact has begun: the processor does it while it waits for roots and quotients. A gain of 1.02
- * in gases and mills. */
+ * in gases, of 1.01 in mills. */
 static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_t other, double t,
                                        struct candidates *of_one, struct candidates *of_other,
                                        struct em_error *err) {
@@ -103,10 +103,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
       WITH(SPIN) ? em_vec_add(u, em_vec_cross(e, em_vec_add(em_vec_scale(a->radius, w->spin[i]),
                                                             em_vec_scale(b->radius, w->spin[j]))))
                  : u;
-  if (w->joins && w->cells) {
-    *of_one = candidates_soon(w, one, 0);
-    *of_other = candidates_soon(w, other, of_one->count + 8);
-  }
+  if (w->joins && w->cells) candidates_of_two(w, one, other, of_one, of_other);
   const double mi = w->mass ? w->mass[i] : w->mass0, mj = w->mass ? w->mass[j] : w->mass0;
   const double meff = mi * mj / (mi + mj);
   const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));

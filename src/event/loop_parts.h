@@ -83,6 +83,15 @@ static inline struct candidates candidates_soon(struct em_world *w, uint32_t i, 
   return c;
 }
 
+/* Those of two balls that are predicted together. Always inline: see collide_pair. */
+static inline __attribute__((always_inline)) void candidates_of_two(struct em_world *w, uint32_t i,
+                                                                    uint32_t j,
+                                                                    struct candidates *of_i,
+                                                                    struct candidates *of_j) {
+  *of_i = candidates_soon(w, i, 0);
+  *of_j = candidates_soon(w, j, of_i->count + 8);
+}
+
 /* Does a prediction of ball i hold, or has its partner had a contact since? */
 static inline bool holds(const struct em_world *w, uint32_t i, const struct em_prediction *p) {
   const bool ball = p->partner < EM_SURFACE;

@@ -169,10 +169,7 @@ static bool FN(tidy)(struct em_world *w, double now) {
 static enum em_status FN(hit_ball)(struct em_world *w, uint32_t i, uint32_t j, double t,
                                    struct em_error *err) {
   struct candidates of_i = {NULL, 0}, of_j = {NULL, 0};
-  if (w->joins && !w->cells) {
-    of_i = candidates_soon(w, i, 0);
-    of_j = candidates_soon(w, j, of_i.count + 8);
-  }
+  if (w->joins && !w->cells) candidates_of_two(w, i, j, &of_i, &of_j);
   const enum em_status status = FN(collide_pair)(w, i, j, t, &of_i, &of_j, err);
   if (status) return status;
   w->clock = t;
