@@ -186,7 +186,8 @@ static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
 }
 
 /* Twelve slots, four each at three places (em_blocks_three) or twelve at one (em_blocks_row), of
- * which em_blocks_append appends the balls but ball `self`; it writes EM_BLOCKS_BEYOND places. */
+ * which em_blocks_append appends the balls; it writes EM_BLOCKS_BEYOND places. A ball's number is
+ * not negative, as a signed one, EM_BLOCKS_EMPTY is. */
 #if defined(__AVX512F__)
 
 typedef __m512i em_blocks_twelve;
@@ -207,48 +208,83 @@ static inline em_blocks_twelve em_blocks_row(const uint32_t *slot) {
   return _mm512_inserti64x4(_mm512_castsi256_si512(most), rest, 1);
 }
 
-static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t self, uint32_t *end) {
-  const __mmask16 some = _mm512_mask_cmpneq_epi32_mask(0x0FFF, all, _mm512_set1_epi32(-1));
-  const __mmask16 in = _mm512_mask_cmpneq_epi32_mask(some, all, _mm512_set1_epi32((int)self));
+/* All but ball `self`. */
+static inline em_blocks_twelve em_blocks_but(em_blocks_twelve all, uint32_t self) {
+  const __mmask16 here = _mm512_cmpeq_epi32_mask(all, _mm512_set1_epi32((int)self));
+  return _mm512_mask_set1_epi32(all, here, -1);
+}
+
+static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t *end) {
+  const __mmask16 in = _mm512_mask_cmpneq_epi32_mask(0x0FFF, all, _mm512_set1_epi32(-1));
   _mm512_storeu_si512(end, _mm512_maskz_compress_epi32(in, all));
   return end + __builtin_popcount(in);
+}
+
+#elif defined(__AVX2__)
+
+typedef struct {
+  __m256i eight;
+  __m128i four;
+} em_blocks_twelve;
+
+static inline em_blocks_twelve em_blocks_three(const uint32_t *s0, const uint32_t *s1,
+                                               const uint32_t *s2) {
+  const __m128i a = _mm_loadu_si128((const __m128i *)s0);
+  const __m128i b = _mm_loadu_si128((const __m128i *)s1);
+  return (em_blocks_twelve){_mm256_set_m128i(b, a), _mm_loadu_si128((const __m128i *)s2)};
+}
+
+static inline em_blocks_twelve em_blocks_row(const uint32_t *slot) {
+  return (em_blocks_twelve){_mm256_loadu_si256((const __m256i *)slot),
+                            _mm_loadu_si128((const __m128i *)(slot + 8))};
+}
+
+static inline em_blocks_twelve em_blocks_but(em_blocks_twelve all, uint32_t self) {
+  const __m256i me = _mm256_set1_epi32((int)self);
+  all.eight = _mm256_or_si256(all.eight, _mm256_cmpeq_epi32(all.eight, me));
+  all.four = _mm_or_si128(all.four, _mm_cmpeq_epi32(all.four, _mm256_castsi256_si128(me)));
+  return all;
+}
+
+static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t *end) {
+  const unsigned some = ~(unsigned)_mm256_movemask_ps((__m256)all.eight) & 255u;
+  const unsigned more = ~(unsigned)_mm_movemask_ps((__m128)all.four) & 15u;
+  _mm256_storeu_si256((__m256i *)end, pack(all.eight, some));
+  end += __builtin_popcount(some);
+  _mm_storeu_si128((__m128i *)end, pack_four(all.four, more));
+  return end + __builtin_popcount(more);
 }
 
 #else
 
 typedef struct {
-  const uint32_t *part[3];
+  uint32_t slot[12];
 } em_blocks_twelve;
 
 static inline em_blocks_twelve em_blocks_three(const uint32_t *s0, const uint32_t *s1,
                                                const uint32_t *s2) {
-  return (em_blocks_twelve){{s0, s1, s2}};
+  em_blocks_twelve all;
+  memcpy(all.slot, s0, 4 * sizeof *s0);
+  memcpy(all.slot + 4, s1, 4 * sizeof *s1);
+  memcpy(all.slot + 8, s2, 4 * sizeof *s2);
+  return all;
 }
 
 static inline em_blocks_twelve em_blocks_row(const uint32_t *slot) {
-  return (em_blocks_twelve){{slot, slot + 4, slot + 8}};
+  return em_blocks_three(slot, slot + 4, slot + 8);
 }
 
-static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t self, uint32_t *end) {
-#ifdef __AVX2__
-  const __m256i me = _mm256_set1_epi32((int)self), none = _mm256_set1_epi32(-1);
-  __m128i p[4] = {[3] = _mm_set1_epi32(-1)};
-  for (int k = 0; k < 3; k++)
-    p[k] = _mm_loadu_si128((const __m128i *)all.part[k]);
-  for (int k = 0; k < 4; k += 2) {
-    const __m256i eight = _mm256_set_m128i(p[k + 1], p[k]);
-    const __m256i out =
-        _mm256_or_si256(_mm256_cmpeq_epi32(eight, me), _mm256_cmpeq_epi32(eight, none));
-    const unsigned in = ~(unsigned)_mm256_movemask_ps((__m256)out) & 255u;
-    _mm256_storeu_si256((__m256i *)end, pack(eight, in));
-    end += __builtin_popcount(in);
+static inline em_blocks_twelve em_blocks_but(em_blocks_twelve all, uint32_t self) {
+  for (int k = 0; k < 12; k++)
+    all.slot[k] |= all.slot[k] == self ? EM_BLOCKS_EMPTY : 0;
+  return all;
+}
+
+static inline uint32_t *em_blocks_append(em_blocks_twelve all, uint32_t *end) {
+  for (int k = 0; k < 12; k++) {
+    *end = all.slot[k];
+    end += all.slot[k] != EM_BLOCKS_EMPTY;
   }
-#else
-  for (uint32_t k = 0; k < 12; k++) {
-    *end = all.part[k / 4][k % 4];
-    end += *end != EM_BLOCKS_EMPTY && *end != self;
-  }
-#endif
   return end;
 }
 
@@ -281,8 +317,10 @@ static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, 
   for (uint32_t s = 0; s < 3 * p->room;
        s += 12) /* once, as a rule: what is below has no branches */
 #pragma GCC unroll 9
-    for (int k = 0; k < 9; k++)
-      end = em_blocks_append(em_blocks_row(slot + z[k / 3] + y[k % 3] + s), i, end);
+    for (int k = 0; k < 9; k++) {
+      const em_blocks_twelve row = em_blocks_row(slot + z[k / 3] + y[k % 3] + s);
+      end = em_blocks_append(k == 4 ? em_blocks_but(row, i) : row, end);
+    }
   return em_blocks_end(p, i, end);
 }
 
@@ -321,8 +359,7 @@ static inline uint32_t *em_blocks_nine(const struct em_places *p, const struct e
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
       const uint32_t *here = s->slot + s->v[k] + h;
-      end = em_blocks_append(em_blocks_three(here + s->u[0], here, here + s->u[2]), EM_BLOCKS_EMPTY,
-                             end);
+      end = em_blocks_append(em_blocks_three(here + s->u[0], here, here + s->u[2]), end);
     }
   return em_blocks_end(p, i, end);
 }

@@ -140,9 +140,9 @@ static unsigned lanes_of(const struct em_engine *engine) {
 static enum em_status begin(struct em_world **world, const struct em_scene *scene,
                             const struct em_balls *balls, struct em_error *err) {
   const unsigned effects = em_scene_effects(scene);
-  if (balls->count >= EM_SURFACE)
-    return em_error_set(err, EM_INPUT, scene->file, 0, "balls: %zu are too many; at most %u",
-                        balls->count, EM_SURFACE - 1u);
+  if (balls->count > EM_BALLS_MOST)
+    return em_error_set(err, EM_INPUT, scene->file, 0, "balls: %zu are too many; at most %d",
+                        balls->count, EM_BALLS_MOST);
   struct em_world *w = calloc(1, sizeof *w);
   if (!w) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the world");
   w->scene = scene;
