@@ -63,14 +63,18 @@ bool em_partition_cells_widen(struct em_places *places);
 uint32_t *em_partition_cells_more(const struct em_places *places, uint32_t self, uint32_t *end);
 void em_partition_cells_no_more(struct em_places *places, uint32_t ball);
 
-/* The first slot of a cell. */
+/* The number of a cell's first slot. */
+static inline ptrdiff_t em_blocks_number(const struct em_places *p, const uint16_t at[3]) {
+  return p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
+}
+
 static inline uint32_t *em_blocks_slot(const struct em_places *p, const uint16_t at[3]) {
-  return p->slot + p->axis[0].line[at[0]] + p->axis[1].line[at[1]] + p->axis[2].line[at[2]];
+  return p->slot + em_blocks_number(p, at);
 }
 
 /* What surfaces are near a cell, where there are any at all. */
-static inline uint32_t *em_blocks_near(const struct em_places *p, const uint16_t at[3]) {
-  return p->near + ((size_t)(em_blocks_slot(p, at) - p->slot) >> p->room_bits);
+static inline uint32_t *em_blocks_near(const struct em_places *p, ptrdiff_t number) {
+  return p->near + ((size_t)number >> p->room_bits);
 }
 
 /* --- leaving ---------------------------------------------------------------------------------- */
@@ -139,21 +143,20 @@ static inline void em_blocks_moved(struct em_world *w, uint32_t i, bool falls, b
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Puts a number in slot k of a cell, and of its image beyond an end of the row: which cells have
- * one cannot be foretold, so that the others write twice. */
-static inline void em_blocks_put(struct em_places *p, const uint16_t at[3], uint32_t k,
-                                 uint32_t number) {
-  const struct em_blocks_axis *x = &p->axis[0];
-  const int turn = x->period > 0.0 ? (at[0] == 1) - (at[0] == x->n) : 0;
-  uint32_t *slot = em_blocks_slot(p, at) + k;
+/* Puts a ball's number in a slot of a cell that is x along its row, and of its image beyond an end
+ * of the row: which cells have one cannot be foretold, so that the others write twice. */
+static inline void em_blocks_put(const struct em_places *p, uint32_t *slot, uint16_t x,
+                                 uint32_t number, bool periodic) {
+  const struct em_blocks_axis *row = &p->axis[0];
+  const int turn = periodic && row->period > 0.0 ? (x == 1) - (x == row->n) : 0;
+  const ptrdiff_t image = (ptrdiff_t)turn * row->n * (ptrdiff_t)p->room;
   slot[0] = number;
-  slot[(ptrdiff_t)turn * x->n * (ptrdiff_t)p->room] = number;
+  if (periodic) slot[image] = number;
 }
 
 /* In which slot of a cell a number stands; `room`: in none. */
-static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16_t at[3],
+static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint32_t *slot,
                                          uint32_t number) {
-  const uint32_t *slot = em_blocks_slot(p, at);
   for (uint32_t k = 0; k < p->room; k += EM_BLOCKS_ROOM) {
     const unsigned here = v4i_bits(*(const v4i *)(slot + k) == (int)number);
     if (here) return k + (uint32_t)__builtin_ctz(here);
@@ -161,25 +164,30 @@ static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint16
   return p->room;
 }
 
-static inline bool em_blocks_enter(struct em_places *p, uint32_t i) {
+/* Into its cell, the one with this number. */
+static inline bool em_blocks_enter(struct em_places *p, uint32_t i, ptrdiff_t number,
+                                   bool periodic) {
   const uint16_t *at = p->plan[i].cell;
-  const uint32_t k = em_blocks_slot_of(p, at, EM_BLOCKS_EMPTY);
+  uint32_t *slot = p->slot + number;
+  const uint32_t k = em_blocks_slot_of(p, slot, EM_BLOCKS_EMPTY);
   if (__builtin_expect(k == p->room, 0)) {
     if (p->more_count < EM_BLOCKS_MORE) {
       p->more[p->more_count++] = i;
       return true;
     }
     if (!em_partition_cells_widen(p)) return false;
+    slot = em_blocks_slot(p, at);
   }
-  em_blocks_put(p, at, k, i);
+  em_blocks_put(p, slot + k, at[0], i, periodic);
   return true;
 }
 
-static inline void em_blocks_quit(struct em_places *p, uint32_t i) {
-  const uint16_t *at = p->plan[i].cell;
-  const uint32_t k = em_blocks_slot_of(p, at, i);
+static inline void em_blocks_quit(struct em_places *p, uint32_t i, ptrdiff_t number,
+                                  bool periodic) {
+  uint32_t *slot = p->slot + number;
+  const uint32_t k = em_blocks_slot_of(p, slot, i);
   if (__builtin_expect(k < p->room, 1)) {
-    em_blocks_put(p, at, k, EM_BLOCKS_EMPTY);
+    em_blocks_put(p, slot + k, p->plan[i].cell[0], EM_BLOCKS_EMPTY, periodic);
     return;
   }
   em_partition_cells_no_more(p, i);
@@ -324,14 +332,20 @@ static inline uint32_t *em_blocks_around(const struct em_places *p, uint32_t i, 
   return em_blocks_end(p, i, end);
 }
 
-/* The cell that ball i enters when it leaves its own. */
+/* The cell along an axis that ball i enters when it leaves its own. */
+static inline uint16_t em_blocks_turn(const struct em_places *p, const struct em_plan *here,
+                                      unsigned axis) {
+  const int n = p->axis[axis].n, to = here->cell[axis] + 2 * (here->exit & 1) - 1;
+  return (uint16_t)(to == 0 ? n : to > n ? 1 : to);
+}
+
+/* The same along all. */
 static inline void em_blocks_next(const struct em_places *p, uint32_t i, uint16_t next[3]) {
   const struct em_plan *here = &p->plan[i];
   const unsigned a = here->exit / 2;
-  const int n = p->axis[a].n, to = here->cell[a] + 2 * (here->exit & 1) - 1;
-  const int turned = to == 0 ? n : to > n ? 1 : to;
+  const uint16_t turned = em_blocks_turn(p, here, a);
   for (unsigned k = 0; k < 3; k++)
-    next[k] = (uint16_t)(k == a ? turned : here->cell[k]);
+    next[k] = k == a ? turned : here->cell[k];
 }
 
 /* Nine cells side by side along two axes; the one at `slot` is in their midst. */
@@ -382,14 +396,15 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
   struct em_places *p = w->places;
   struct em_plan *here = &p->plan[i];
   if (here->exit != EM_BLOCKS_STAYS) {
-    uint16_t next[3];
-    em_blocks_next(p, i, next);
-    em_blocks_quit(p, i);
-    for (int k = 0; k < 3; k++)
-      here->cell[k] = next[k];
-    if (!em_blocks_enter(p, i)) return false;
+    const unsigned a = here->exit / 2;
+    const ptrdiff_t *line = p->axis[a].line, number = em_blocks_number(p, here->cell);
+    const uint16_t from = here->cell[a], to = em_blocks_turn(p, here, a);
+    const ptrdiff_t next = number + line[to] - line[from];
+    if (p->near) here->near = *em_blocks_near(p, next);
+    em_blocks_quit(p, i, number, periodic);
+    here->cell[a] = to;
+    if (!em_blocks_enter(p, i, next, periodic)) return false;
   }
-  if (p->near) here->near = *em_blocks_near(p, here->cell);
   const struct em_vec x = em_body_at(w, i, now);
   if (p->centre) p->centre[i] = x;
   em_blocks_leave(w, i, now, x, em_body_velocity(w, i, now), falls, periodic);

@@ -192,10 +192,11 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         double c[3];
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
-        *em_blocks_near(p, at) = surfaces_near(w, c, half, 2.0 * p->slack + w->early);
+        *em_blocks_near(p, em_blocks_number(p, at)) =
+            surfaces_near(w, c, half, 2.0 * p->slack + w->early);
       }
   for (uint32_t i = 0; i < p->count; i++)
-    p->plan[i].near = *em_blocks_near(p, p->plan[i].cell);
+    p->plan[i].near = *em_blocks_near(p, em_blocks_number(p, p->plan[i].cell));
 }
 
 static uint16_t number_along(const struct em_blocks_axis *axis, double x) {
@@ -213,7 +214,7 @@ static bool fill(struct em_world *w, struct em_places *p) {
     for (int a = 0; a < 3; a++)
       p->plan[i].cell[a] = number_along(&p->axis[a], x[a]);
     if (p->centre) p->centre[i] = r;
-    if (!em_blocks_enter(p, i)) return false;
+    if (!em_blocks_enter(p, i, em_blocks_number(p, p->plan[i].cell), true)) return false;
     const struct em_vec v = em_body_velocity(w, i, w->clock);
     em_blocks_leave(w, i, w->clock, r, v, true, true);
   }
@@ -266,13 +267,13 @@ static bool is_valid(const struct em_world *w) {
     held += p->slot[k] != EM_BLOCKS_EMPTY;
   for (uint32_t i = 0; i < p->count; i++) {
     const uint16_t *at = p->plan[i].cell;
-    const uint32_t k = em_blocks_slot_of(p, at, i);
+    const uint32_t *cell = em_blocks_slot(p, at), k = em_blocks_slot_of(p, cell, i);
     sum++;
     if (k == p->room) {
       if (!has_no_slot(p, i)) return false;
       continue;
     }
-    const uint32_t *slot = em_blocks_slot(p, at) + k;
+    const uint32_t *slot = cell + k;
     if (x->period > 0.0 && at[0] == 1) sum += slot[(size_t)x->n * p->room] == i;
     if (x->period > 0.0 && at[0] == x->n) sum += *(slot - (size_t)x->n * p->room) == i;
   }
