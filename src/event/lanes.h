@@ -32,10 +32,6 @@ static inline vm vd_equal(vd a, vd b) {
   return _mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ);
 }
 
-static inline vm vl_below(vl a, vl b) {
-  return _mm512_cmplt_epi64_mask((__m512i)a, (__m512i)b);
-}
-
 static inline vm vm_below(uint32_t n) {
   return (vm)((1u << (n < 8 ? n : 8)) - 1u);
 }
@@ -67,17 +63,6 @@ static inline vd vd_nearest(vd a) {
 
 static inline double vd_least_of(vd a) {
   return _mm512_reduce_min_pd(a);
-}
-
-/* The least of the chosen lanes, at least one. */
-static inline int64_t vl_least_of(vm in, vl a) {
-  if (__builtin_expect(in & (in - 1), 0)) return _mm512_mask_reduce_min_epi64(in, (__m512i)a);
-  return _mm_cvtsi128_si64(_mm512_castsi512_si128(_mm512_maskz_compress_epi64(in, (__m512i)a)));
-}
-
-/* Unsigned numbers as lanes. */
-static inline vl vl_of(const uint32_t id[LANES]) {
-  return (vl)_mm512_cvtepu32_epi64(_mm256_loadu_si256((const __m256i *)id));
 }
 
 /* The eight doubles of each of eight records, as eight vectors: first of all, second of all … */
@@ -131,10 +116,6 @@ static inline vm vd_equal(vd a, vd b) {
   return a == b;
 }
 
-static inline vm vl_below(vl a, vl b) {
-  return a < b;
-}
-
 static inline vm vm_below(uint32_t n) {
   return (vl){0, 1, 2, 3} < (int64_t)n;
 }
@@ -166,14 +147,6 @@ static inline vd vd_nearest(vd a) {
 
 static inline double vd_least_of(vd a) {
   return v4d_least_of(a)[0];
-}
-
-static inline int64_t vl_least_of(vm in, vl a) {
-  return v4l_least_of(v4l_choose(in, a, v4l_all(INT64_MAX)));
-}
-
-static inline vl vl_of(const uint32_t id[LANES]) {
-  return (vl){id[0], id[1], id[2], id[3]};
 }
 
 static inline __attribute__((always_inline)) void

@@ -154,19 +154,10 @@ static inline v4d v4d_least(v4d a, v4d b) {
   return v4d_choose(a < b, a, b);
 }
 
-static inline v4l v4l_least(v4l a, v4l b) {
-  return v4l_choose(a < b, a, b);
-}
-
 /* The least of all, in every lane. */
 static inline v4d v4d_least_of(v4d a) {
   const v4d half = v4d_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
   return v4d_least(half, __builtin_shufflevector(half, half, 1, 0, 3, 2));
-}
-
-static inline int64_t v4l_least_of(v4l a) {
-  const v4l half = v4l_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1));
-  return v4l_least(half, __builtin_shufflevector(half, half, 1, 0, 3, 2))[0];
 }
 
 /* Bit k: lane k of the mask is set. */
