@@ -93,6 +93,16 @@ static inline __attribute__((always_inline)) void em_calendar_fetch(const struct
   em_fetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
 }
 
+/* Asks for the plans of its balls, or of those that were there before; without counting them. */
+static inline __attribute__((always_inline)) void em_calendar_fetch_plans(const struct em_queue *q,
+                                                                          uint32_t ahead) {
+  const struct em_calendar_bin *bin =
+      &q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot];
+#pragma GCC unroll 16
+  for (int k = 0; k < EM_CALENDAR_ENTRIES; k++)
+    em_fetch_close(&q->plan[bin->ball[k]]);
+}
+
 static inline void em_calendar_put(struct em_queue *q, uint32_t place, uint32_t ball, double time) {
   q->due[place] = ball;
   q->due_time[place] = time;

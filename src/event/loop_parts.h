@@ -165,6 +165,22 @@ static inline void foresee(struct em_world *w) {
     fetch_candidates(w, partner[k], false);
 }
 
+/* In systems of medium size it is enough to ask, when a bin begins, for what its n balls and their
+ * partners read first, and for the plans of the next bin: a gain of 1.02. */
+static inline __attribute__((always_inline)) void fetch_bin(const struct em_world *w,
+                                                            const uint32_t *ball, uint32_t n) {
+  if (!w->fetches_close) return;
+  em_calendar_fetch(w->queue, 2);
+  em_calendar_fetch_plans(w->queue, 1);
+  for (uint32_t k = 0; k < n; k++) {
+    const uint32_t i = ball[k], partner = w->plan[i].first.partner;
+    const uint32_t j = partner < EM_SURFACE ? partner : i;
+    em_fetch_close(&w->body[i]);
+    em_fetch_close(&w->body[j]);
+    em_fetch_close(&w->plan[j]);
+  }
+}
+
 /* In systems of medium size: the lists of n balls and of their partners. Where they are is asked
  * for when their bin begins, they themselves (`beyond`) when it has been tidied up: a gain of 1.03
  * in a dense gas of 10⁴ balls. */

@@ -138,6 +138,7 @@ static bool FN(tidy)(struct em_world *w, double now) {
   uint32_t ball[FORESEEN], stays[FORESEEN], stale[FORESEEN];
   uint32_t leaving = 0, staying = 0, near = 0, rest = 0;
   const uint32_t n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
+  fetch_bin(w, ball, n);
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k];
     const bool leaves = leaves_first(w, i);
