@@ -3,13 +3,17 @@
 #ifndef EVENTMILL_STEADY_H
 #define EVENTMILL_STEADY_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
+enum em_steady_found {
+  EM_STEADY_NONE,  /* MSER cuts as much as it may, half of the series */
+  EM_STEADY_BRIEF, /* the rest has fewer than ten independent values: too short to tell */
+  EM_STEADY_YES
+};
+
 struct em_steady {
-  size_t start;  /* index of the first value to use */
-  bool found;    /* MSER cuts less than it may, half of the series, and the rest is not brief */
-  bool brief;    /* the rest has fewer than ten independent values: too short to tell */
+  size_t start; /* index of the first value to use */
+  enum em_steady_found found;
   double geweke; /* z of the means of the first 10 % and last 50 % after `start`; NAN: too short */
   double p;      /* its two-sided probability when the series is stationary */
 };

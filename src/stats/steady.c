@@ -72,8 +72,8 @@ struct em_steady em_steady_find(const double *x, size_t n) {
   if (out.start < last_cut(n)) {
     const size_t rest = n - out.start;
     const struct em_interval mean = em_interval_series(x + out.start, rest, 0.95);
-    out.found = (double)rest >= LEAST_INDEPENDENT * mean.inefficiency;
-    out.brief = !out.found;
+    const bool enough = (double)rest >= LEAST_INDEPENDENT * mean.inefficiency;
+    out.found = enough ? EM_STEADY_YES : EM_STEADY_BRIEF;
   }
   if (out.start < n) out.geweke = em_steady_geweke(x + out.start, n - out.start);
   if (isfinite(out.geweke)) out.p = 2.0 * gsl_cdf_ugaussian_Q(fabs(out.geweke));

@@ -72,13 +72,15 @@ static void columns(struct em_report *report) {
 
 static void row(struct em_report *report, const struct indicator *indicator,
                 const struct em_trace *trace, size_t n, double level) {
+  static const char *const word[] = {
+      [EM_STEADY_NONE] = "no", [EM_STEADY_BRIEF] = "too short", [EM_STEADY_YES] = "yes"};
   const struct em_steady steady = em_steady_find(trace->value, n);
   const size_t start = steady.start < n ? steady.start : 0;
   const struct em_interval mean = em_interval_series(trace->value + start, n - start, level);
   em_report_text(report, "%s", indicator->label);
   em_report_text(report, "%s", indicator->unit);
   em_report_number(report, trace->time[start]);
-  em_report_text(report, "%s", steady.found ? "yes" : steady.brief ? "too short" : "no");
+  em_report_text(report, "%s", word[steady.found]);
   em_report_number(report, steady.geweke);
   em_report_number(report, steady.p);
   em_report_interval(report, &mean);

@@ -31,13 +31,14 @@ static enum em_status find_steady(struct em_window *window, const struct em_run_
   } else {
     const struct em_steady steady = em_steady_find(series->value, count);
     window->geweke_p = steady.p;
-    window->steady = steady.found;
-    if (steady.found) {
+    window->steady = steady.found == EM_STEADY_YES;
+    if (window->steady) {
       window->from = series->time[steady.start];
       snprintf(window->how, sizeof window->how, "steady start by MSER on the median speed");
     } else {
-      rule_of_thumb(window, steady.brief ? "too short to tell whether it is steady"
-                                         : "no steady state found");
+      rule_of_thumb(window, steady.found == EM_STEADY_BRIEF
+                                ? "too short to tell whether it is steady"
+                                : "no steady state found");
     }
   }
   em_run_file_series_free(series);

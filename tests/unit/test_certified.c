@@ -179,12 +179,12 @@ static void planes(void **state) {
   tell("planes", &tally);
 }
 
-/* Who grazes the drum is long as near to it as the rounding of its place. */
+/* Who grazes the drum is long as near to it as the rounding of its place; but not that long. */
 static double grazing_doubt(struct em_vec r, struct em_vec v, struct em_vec g, double rho,
                             double t) {
   if (t == INFINITY) return 0.0;
   const struct em_vec at = em_vec_axpy(em_vec_axpy(r, t, v), 0.5 * t * t, g);
-  return DBL_EPSILON * rho * rho / em_vec_dot(at, em_vec_axpy(v, t, g));
+  return fmin(1e-12, fabs(DBL_EPSILON * rho * rho / em_vec_dot(at, em_vec_axpy(v, t, g))));
 }
 
 static void drums(void **state) {
