@@ -228,10 +228,57 @@ static void order_of_contacts(void **state) {
            NUMBERINGS, "balls before walls, each by their numbers", "%s", "as documented");
 }
 
+static int by_pair(const void *a, const void *b) {
+  const uint32_t *p = a, *q = b;
+  return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0]) : (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+/* The corners of a square run towards its middle: each meets two others at one time, and which of
+ * them goes first must not depend on where they stand among its candidates. All numberings. */
+static void square(void **state) {
+  (void)state;
+  static const char *const engines[] = {"engine.partition=cells", "engine.partition=neighbours",
+                                        "engine.partition=cells engine.lanes=4",
+                                        "engine.partition=cells engine.simd=false"};
+  const size_t kinds = sizeof engines / sizeof *engines;
+  for (size_t k = 0; k < 256 * kinds; k++) {
+    const uint32_t place[4] = {k & 3, k >> 2 & 3, k >> 4 & 3, k >> 6 & 3};
+    if ((1 << place[0] | 1 << place[1] | 1 << place[2] | 1 << place[3]) != 15) continue;
+    struct trial t;
+    struct order order = {.count = 0};
+    uint32_t pair[4][2];
+    trial_scene(&t, lab, "balls.count=4 balls.diameter=0.25 chamber.size=[1,1,1] %s",
+                engines[k / 256]);
+    trial_balls(&t);
+    for (size_t i = 0; i < 4; i++) { /* one after the other round the square */
+      const double x = i == 0 || i == 3 ? -1.0 : 1.0, y = i < 2 ? -1.0 : 1.0;
+      const uint32_t next = place[(i + 1) % 4];
+      still(&t, place[i], 0.5 + 0.25 * x, 0.5 + 0.25 * y, 0.5);
+      t.balls->velocity[place[i]] = em_vec_make(-x, -y, 0.0);
+      pair[i][0] = place[i] < next ? place[i] : next;
+      pair[i][1] = place[i] ^ next ^ pair[i][0];
+    }
+    qsort(pair, 4, sizeof *pair, by_pair);
+    trial_world(&t);
+    const struct em_observer observer = {.self = &order, .contact = note};
+    assert_int_equal(em_world_observe(t.world, &observer), EM_OK);
+    trial_run(&t, 0.1875);
+    assert_int_equal(order.count, 4);
+    for (size_t c = 0; c < 4; c++) {
+      assert_true(order.contact[c].time == 0.125);
+      assert_int_equal(order.contact[c].ball, pair[c][0]);
+      assert_int_equal(order.contact[c].partner, pair[c][1]);
+    }
+    trial_free(&t);
+  }
+  hard_row("square", "each of four meets two at one time, all numberings, four engines", 96,
+           "the pairs by their numbers", "%s", "as documented");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cradle),  cmocka_unit_test(lattice),           cmocka_unit_test(stars),
-      cmocka_unit_test(head_on), cmocka_unit_test(order_of_contacts),
+      cmocka_unit_test(head_on), cmocka_unit_test(order_of_contacts), cmocka_unit_test(square),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
