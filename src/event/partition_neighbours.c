@@ -115,7 +115,8 @@ static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
   return true;
 }
 
-/* Moves a list to another room, at least its count. */
+/* Moves a list to another room, at least its count. False: no memory, and a list that was to become
+ * smaller is as it was. */
 static bool list_move(struct em_places *p, struct list *l, uint32_t room) {
   const unsigned k = class_of(l->room);
   uint32_t at;
@@ -343,8 +344,8 @@ static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_
   uint32_t found;
   if (!search(w, p, i, &found)) goto memory;
   *count = exchange(p, i, found);
-  if (l->room > LIST_LEAST && l->count + *count <= l->room / 2 && !list_move(p, l, l->room / 2))
-    goto memory;
+  if (l->room > LIST_LEAST && l->count + *count <= l->room / 2)
+    (void)list_move(p, l, l->room / 2); /* or it stays as it is, where memory is short */
   for (uint32_t k = 0; k < *count; k++)
     if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) goto memory;
   if (!em_shells_enter(&p->shells, i, s->centre, hull_of(w, i))) goto memory;
