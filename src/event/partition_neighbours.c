@@ -120,11 +120,11 @@ static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
 static bool list_move(struct em_places *p, struct list *l, uint32_t room) {
   const unsigned k = class_of(l->room);
   uint32_t at;
-  if (!list_take(p, room, &at)) return false;
-  memcpy(p->pool + at, p->pool + l->at, l->count * sizeof *p->pool);
   if (p->spare_count[k] == p->spare_room[k] &&
       !grow((void **)&p->spare[k], sizeof **p->spare, &p->spare_room[k], p->spare_count[k] + 1))
     return false;
+  if (!list_take(p, room, &at)) return false;
+  memcpy(p->pool + at, p->pool + l->at, l->count * sizeof *p->pool);
   p->spare[k][p->spare_count[k]++] = l->at;
   l->at = at;
   l->room = room;
