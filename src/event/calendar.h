@@ -87,17 +87,22 @@ bool em_calendar_make_room(struct em_queue *q, uint32_t bin);
  * just begun. Returns how many. */
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
 
-/* Asks memory for that bin. */
+/* That bin, or the current one where it lies beyond this turn. */
+static inline const struct em_calendar_bin *em_calendar_ahead(const struct em_queue *q,
+                                                              uint32_t ahead) {
+  return &q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot];
+}
+
+/* Asks memory for it. */
 static inline __attribute__((always_inline)) void em_calendar_fetch(const struct em_queue *q,
                                                                     uint32_t ahead) {
-  em_fetch(&q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot]);
+  em_fetch(em_calendar_ahead(q, ahead));
 }
 
 /* Asks for the plans of its balls, or of those that were there before; without counting them. */
 static inline __attribute__((always_inline)) void em_calendar_fetch_plans(const struct em_queue *q,
                                                                           uint32_t ahead) {
-  const struct em_calendar_bin *bin =
-      &q->bin[q->slot + ahead < q->bins ? q->slot + ahead : q->slot];
+  const struct em_calendar_bin *bin = em_calendar_ahead(q, ahead);
 #pragma GCC unroll 16
   for (int k = 0; k < EM_CALENDAR_ENTRIES; k++)
     em_fetch_close(&q->plan[bin->ball[k]]);

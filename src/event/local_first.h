@@ -16,13 +16,16 @@ static inline void em_local_first_clear(struct em_local *local, uint32_t ball) {
   local->plan[ball].first = (struct em_prediction){INFINITY, UINT32_MAX, 0};
 }
 
-/* Equal times: the smaller partner, so that the order of entry does not matter. */
+/* Does a come before b? Equal times: the smaller partner, so that the order does not matter in
+ * which they are entered. */
+static inline bool em_local_sooner(const struct em_prediction *a, const struct em_prediction *b) {
+  return a->time < b->time || (a->time == b->time && a->partner < b->partner);
+}
+
 static inline bool em_local_first_add(struct em_local *local, uint32_t ball,
                                       const struct em_prediction *prediction) {
   struct em_prediction *kept = &local->plan[ball].first;
-  if (prediction->time < kept->time ||
-      (prediction->time == kept->time && prediction->partner < kept->partner))
-    *kept = *prediction;
+  if (em_local_sooner(prediction, kept)) *kept = *prediction;
   return true;
 }
 

@@ -208,7 +208,7 @@ static inline struct em_prediction FN(best_of)(const struct em_world *w, uint32_
     struct FN(approaches) to;
     FN(approach)(w, i, id + k, some, now, false, &to);
     const struct em_prediction p = FN(choose)(w, i, id + k, some, now, false, &to);
-    if (p.time < best.time || (p.time == best.time && p.partner < best.partner)) best = p;
+    if (em_local_sooner(&p, &best)) best = p;
   }
   return best;
 }

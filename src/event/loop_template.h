@@ -54,16 +54,16 @@ static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32
                                                       const struct candidates *of_j, double now) {
   w->tally.predictions += 2;
   w->tally.candidates += of_i->count + of_j->count;
-  if (of_i->count > FN(most) || of_j->count > FN(most)) {
+  if (of_i->count <= FN(most) && of_j->count <= FN(most)) {
+    struct FN(approaches) to_i, to_j;
+    FN(approach)(w, i, of_i->id, of_i->count, now, true, &to_i);
+    FN(approach)(w, j, of_j->id, of_j->count, now, true, &to_j);
+    w->plan[i].first = FN(choose)(w, i, of_i->id, of_i->count, now, true, &to_i);
+    w->plan[j].first = FN(choose)(w, j, of_j->id, of_j->count, now, true, &to_j);
+  } else {
     w->plan[i].first = FN(best_of)(w, i, of_i->id, of_i->count, now);
     w->plan[j].first = FN(best_of)(w, j, of_j->id, of_j->count, now);
-    return FN(settle)(w, i, now) && FN(settle)(w, j, now);
   }
-  struct FN(approaches) to_i, to_j;
-  FN(approach)(w, i, of_i->id, of_i->count, now, true, &to_i);
-  FN(approach)(w, j, of_j->id, of_j->count, now, true, &to_j);
-  w->plan[i].first = FN(choose)(w, i, of_i->id, of_i->count, now, true, &to_i);
-  w->plan[j].first = FN(choose)(w, j, of_j->id, of_j->count, now, true, &to_j);
   return FN(settle)(w, i, now) && FN(settle)(w, j, now);
 }
 
