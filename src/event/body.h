@@ -23,9 +23,9 @@ struct em_body {
 /* Numbers of balls that do not fit into the nearest caches any more, into the next ones neither. */
 enum { EM_FETCH_CLOSE_FROM = 6000, EM_FETCH_FROM = 24576 };
 
-/* Partners are balls (their index, no negative number where it has a sign) or surfaces
- * (EM_SURFACE + number). */
-#define EM_BALLS_MOST 0x7FFFFFFF
+/* Partners are balls (their index, which leaves two bits to slots.h) or surfaces (EM_SURFACE +
+ * number). */
+#define EM_BALLS_MOST 0x3FFFFFFF
 enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
 #define EM_SURFACE          0xFFF00000u
 #define EM_NOBODY           0xFFFFFFFFu

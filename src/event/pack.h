@@ -1,4 +1,4 @@
-/* Packing the chosen of eight or four 32-bit lanes, for AVX2. */
+/* Packing the chosen of eight 32-bit lanes, for AVX2. */
 #ifndef EVENTMILL_EVENT_PACK_H
 #define EVENTMILL_EVENT_PACK_H
 
@@ -27,11 +27,6 @@ static const uint64_t PACK[256] = {SIXTY_FOUR(0u), SIXTY_FOUR(64u), SIXTY_FOUR(1
 static inline __m256i pack(__m256i all, unsigned bits) {
   const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)&PACK[bits]));
   return _mm256_permutevar8x32_epi32(all, order);
-}
-
-static inline __m128i pack_four(__m128i all, unsigned bits) {
-  const __m128i order = _mm_cvtepu8_epi32(_mm_loadu_si32(&PACK[bits]));
-  return (__m128i)_mm_permutevar_ps((__m128)all, order);
 }
 
 #endif

@@ -17,7 +17,7 @@ double em_partition_fraction(const struct em_world *w) {
 static const struct em_partition_kind *fastest(const struct em_world *w) {
   const bool alike = w->largest < 1.3 * w->smallest, wide = w->loop->lanes >= 8;
   const bool large = w->count >= EM_FETCH_FROM;
-  double most = w->blade_count ? 0.2 : 0.33;
+  double most = w->blade_count ? 0.2 : 0.36;
   if (wide || large) most = wide && large ? 0.6 : 0.4;
   return alike && em_partition_fraction(w) < most ? &em_partition_cells : &em_partition_neighbours;
 }

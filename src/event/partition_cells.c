@@ -9,7 +9,10 @@
 #define WIDER 1.001 /* than a ball: what lets balls be moved on early */
 #define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
 
-enum { TURN_LEAST = 5 /* fewer cells along a periodic edge are made one: see em_span_room */ };
+enum {
+  TURN_LEAST = 5, /* fewer cells along a periodic edge are made one: see em_span_room */
+  CROWDED = 400   /* of as many balls one may be in a crowd, before all cells are given more room */
+};
 
 static void split(struct em_vec a, double part[3]) {
   part[0] = a.x;
@@ -19,11 +22,80 @@ static void split(struct em_vec a, double part[3]) {
 
 /* Candidates of EM_BLOCKS_MANY balls from 9 cells, or of two from 27. */
 static size_t found_room(size_t room) {
-  return (9 * room + EM_BLOCKS_MORE) * EM_BLOCKS_MANY + EM_BLOCKS_BEYOND;
+  return 9 * (room + EM_BLOCKS_CROWD) * EM_BLOCKS_MANY + EM_BLOCKS_BEYOND;
 }
 
-bool em_partition_cells_widen(struct em_places *p) {
-  const size_t old = p->room, room = old ? 2 * old : EM_BLOCKS_ROOM, n = p->cells * room;
+/* --- slots ------------------------------------------------------------------------------------ */
+
+static void put(const struct em_places *p, uint32_t *slot, uint32_t of, uint32_t number) {
+  em_blocks_put(p, slot, p->plan[of].cell[0], number);
+}
+
+bool em_partition_cells_join(struct em_places *p, uint32_t *slot, uint32_t ball) {
+  uint32_t *last = slot + p->room - 1;
+  if (!(*last & EM_SLOTS_CROWD)) {
+    const uint32_t k = p->spare;
+    if (k == p->crowds) return false;
+    p->spare = p->crowd[k].ball[0];
+    p->crowd[k] = (struct em_blocks_crowd){1, {*last}};
+    put(p, last, ball, EM_SLOTS_CROWD | k);
+  }
+  struct em_blocks_crowd *crowd = &p->crowd[*last & ~EM_SLOTS_CROWD];
+  if (crowd->count == EM_BLOCKS_CROWD) return false;
+  crowd->ball[crowd->count++] = ball;
+  return true;
+}
+
+void em_partition_cells_part(struct em_places *p, uint32_t *slot, uint32_t ball) {
+  uint32_t *last = slot + p->room - 1, place = 0;
+  const uint32_t number = *last & ~EM_SLOTS_CROWD;
+  struct em_blocks_crowd *crowd = &p->crowd[number];
+  while (crowd->ball[place] != ball)
+    place++;
+  crowd->ball[place] = crowd->ball[--crowd->count];
+  if (crowd->count > 1) return;
+  put(p, last, ball, crowd->ball[0]);
+  crowd->ball[0] = p->spare;
+  p->spare = number;
+}
+
+uint32_t *em_partition_cells_disperse(const struct em_places *p, uint32_t self, uint32_t *candidate,
+                                      uint32_t *end) {
+  while (candidate < end) {
+    if (!(*candidate & EM_SLOTS_CROWD)) {
+      candidate++;
+      continue;
+    }
+    const struct em_blocks_crowd *crowd = &p->crowd[*candidate & ~EM_SLOTS_CROWD];
+    *candidate = *--end;
+    for (uint32_t k = 0; k < crowd->count; k++) {
+      *end = crowd->ball[k];
+      end += crowd->ball[k] != self;
+    }
+  }
+  return end;
+}
+
+/* Puts all balls into their cells, which are empty; false: they have not enough room. */
+static bool fill_slots(struct em_places *p) {
+  for (uint32_t k = 0; k < p->crowds; k++)
+    p->crowd[k] = (struct em_blocks_crowd){0, {k + 1}};
+  p->spare = 0;
+  for (uint32_t i = 0; i < p->count; i++) {
+    uint32_t *slot = em_blocks_slot(p, p->plan[i].cell);
+    const uint32_t k = em_blocks_slot_of(p, slot, EM_SLOTS_EMPTY);
+    if (k < p->room)
+      put(p, slot + k, i, i);
+    else if (!em_partition_cells_join(p, slot, i))
+      return false;
+  }
+  return true;
+}
+
+/* Empty ones for cells of this room, and some beyond, which are read too. The scratch keeps what
+ * was found. */
+static bool take_slots(struct em_places *p, size_t room) {
+  const size_t old = p->room, n = p->cells * room + 8;
   uint32_t *slot = em_body_array(n, sizeof *slot);
   uint32_t *found = em_body_array(found_room(room), sizeof *found);
   uint32_t *finder = em_body_array(found_room(room), sizeof *finder);
@@ -34,9 +106,7 @@ bool em_partition_cells_widen(struct em_places *p) {
     return false;
   }
   for (size_t k = 0; k < n; k++)
-    slot[k] = EM_BLOCKS_EMPTY;
-  for (size_t c = 0; old && c < p->cells; c++)
-    memcpy(slot + c * room, p->slot + c * old, old * sizeof *slot);
+    slot[k] = EM_SLOTS_EMPTY;
   if (old) {
     memcpy(found, p->found, found_room(old) * sizeof *found);
     memcpy(finder, p->finder, found_room(old) * sizeof *finder);
@@ -47,27 +117,22 @@ bool em_partition_cells_widen(struct em_places *p) {
   p->slot = slot;
   p->found = found;
   p->finder = finder;
+  const ptrdiff_t factor = (ptrdiff_t)(old ? room / old : room);
   for (int a = 0; a < 3; a++)
     for (int k = 0; k < p->axis[a].n + 2; k++)
-      p->axis[a].line[k] *= (ptrdiff_t)(old ? room / old : room);
+      p->axis[a].line[k] *= factor;
+  for (int k = 0; k < p->axis[0].n + 2; k++)
+    p->image[k] *= factor;
   p->room = (uint32_t)room;
   p->room_bits = (uint32_t)__builtin_ctz(p->room);
   return true;
 }
 
-uint32_t *em_partition_cells_more(const struct em_places *p, uint32_t self, uint32_t *end) {
-  for (uint32_t k = 0; k < p->more_count; k++) {
-    *end = p->more[k];
-    end += p->more[k] != self;
-  }
-  return end;
-}
-
-void em_partition_cells_no_more(struct em_places *p, uint32_t ball) {
-  uint32_t k = 0;
-  while (p->more[k] != ball)
-    k++;
-  p->more[k] = p->more[--p->more_count];
+bool em_partition_cells_widen(struct em_places *p) {
+  do
+    if (!take_slots(p, p->room ? 2 * p->room : EM_BLOCKS_ROOM)) return false;
+  while (!fill_slots(p));
+  return true;
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
@@ -94,7 +159,9 @@ static void free_places(struct em_places *p) {
     free(p->axis[a].line);
     free(p->axis[a].border);
   }
+  free(p->image);
   free(p->slot);
+  free(p->crowd);
   free(p->near);
   free(p->centre);
   free(p->found);
@@ -108,8 +175,9 @@ static void set_cells(struct em_world *w, struct em_places *p) {
   split(em_vec_sub(w->high, w->low), extent);
   split(w->low, low);
   split(w->period, period);
-  p->pull = (v4d){fabs(w->gravity.x), fabs(w->gravity.y), fabs(w->gravity.z)};
-  p->turned = (v4d){w->gravity.x, w->gravity.y, w->gravity.z} > v4d_all(0.0);
+  p->gravity = (v4d){w->gravity.x, w->gravity.y, w->gravity.z, 0.0};
+  p->turned = p->gravity > v4d_all(0.0);
+  p->pull = v4d_choose(p->turned, p->gravity, -p->gravity);
   p->slack = 1e-6 * w->largest;
   const double each = em_scene_volume(w->scene) / fmax(1.0, w->count);
   double edge = fmax(WIDER * 2.0 * w->largest, CROWD * cbrt(each));
@@ -160,10 +228,16 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   for (int a = 0; a < 3; a++, step *= cells)
     if (!set_axis(&p->axis[a], a == 0, step, &cells)) return false;
   p->cells = step;
+  const struct em_blocks_axis *row = &p->axis[0];
+  p->image = em_body_array((size_t)row->n + 2, sizeof *p->image);
+  if (!p->image) return false;
+  if (row->period > 0.0) p->image[1] = row->n, p->image[row->n] = -row->n;
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(p->cells, sizeof *p->near);
   if (p->room_m < INFINITY) p->centre = em_body_array(p->count, sizeof *p->centre);
-  return em_partition_cells_widen(p) && (p->near || !any) && (p->centre || p->room_m == INFINITY);
+  p->crowds = p->count / CROWDED + 8;
+  p->crowd = em_body_array(p->crowds, sizeof *p->crowd);
+  return p->crowd && (p->near || !any) && (p->centre || p->room_m == INFINITY);
 }
 
 /* Surfaces that a ball with its centre in a box c ± half can touch. */
@@ -214,11 +288,11 @@ static bool fill(struct em_world *w, struct em_places *p) {
     for (int a = 0; a < 3; a++)
       p->plan[i].cell[a] = number_along(&p->axis[a], x[a]);
     if (p->centre) p->centre[i] = r;
-    if (!em_blocks_enter(p, i, em_blocks_number(p, p->plan[i].cell), true)) return false;
     const struct em_vec v = em_body_velocity(w, i, w->clock);
-    em_blocks_leave(w, i, w->clock, r, v, true, true);
+    em_blocks_leave(w, i, w->clock, (v4d){r.x, r.y, r.z, 0.0}, (v4d){v.x, v.y, v.z, 0.0}, true,
+                    true);
   }
-  return true;
+  return em_partition_cells_widen(p);
 }
 
 static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
@@ -248,34 +322,38 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
 static size_t bytes(const struct em_places *p) {
   const size_t each = p->centre ? sizeof *p->centre : 0;
   const size_t cell = p->room * sizeof *p->slot + (p->near ? sizeof *p->near : 0);
-  return sizeof *p + p->count * each + p->cells * cell + 2 * found_room(p->room) * sizeof *p->found;
+  return sizeof *p + p->count * each + p->cells * cell + p->crowds * sizeof *p->crowd +
+         2 * found_room(p->room) * sizeof *p->found;
 }
 
-static bool has_no_slot(const struct em_places *p, uint32_t i) {
-  for (uint32_t k = 0; k < p->more_count; k++)
-    if (p->more[k] == i) return true;
+static bool in_crowd(const struct em_places *p, uint32_t number, uint32_t ball) {
+  const struct em_blocks_crowd *crowd = &p->crowd[number & ~EM_SLOTS_CROWD];
+  for (uint32_t k = 0; number & EM_SLOTS_CROWD && k < crowd->count; k++)
+    if (crowd->ball[k] == ball) return true;
   return false;
 }
 
-/* Every ball is in its cell, or among those without a slot, and nothing else is anywhere but images
- * beyond the ends of rows. */
+/* How many slots hold the number that this one holds: its image, too, where it has one. */
+static size_t copies(const struct em_places *p, const uint32_t *slot, uint16_t x) {
+  return p->image[x] != 0 && slot[p->image[x]] == *slot ? 2 : 1;
+}
+
+/* Every ball is in its cell, and nothing else is anywhere but images beyond the ends of rows. */
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
-  const struct em_blocks_axis *x = &p->axis[0];
-  size_t sum = 0, held = p->more_count;
+  size_t sum = 0, held = 0;
   for (size_t k = 0; k < p->cells * p->room; k++)
-    held += p->slot[k] != EM_BLOCKS_EMPTY;
+    held += p->slot[k] != EM_SLOTS_EMPTY;
   for (uint32_t i = 0; i < p->count; i++) {
     const uint16_t *at = p->plan[i].cell;
-    const uint32_t *cell = em_blocks_slot(p, at), k = em_blocks_slot_of(p, cell, i);
-    sum++;
-    if (k == p->room) {
-      if (!has_no_slot(p, i)) return false;
-      continue;
+    const uint32_t *slot = em_blocks_slot(p, at), *last = slot + p->room - 1;
+    const uint32_t k = em_blocks_slot_of(p, slot, i);
+    if (k < p->room) {
+      sum += copies(p, slot + k, at[0]);
+    } else {
+      if (!in_crowd(p, *last, i)) return false;
+      if (p->crowd[*last & ~EM_SLOTS_CROWD].ball[0] == i) sum += copies(p, last, at[0]);
     }
-    const uint32_t *slot = cell + k;
-    if (x->period > 0.0 && at[0] == 1) sum += slot[(size_t)x->n * p->room] == i;
-    if (x->period > 0.0 && at[0] == x->n) sum += *(slot - (size_t)x->n * p->room) == i;
   }
   return sum == held;
 }

@@ -114,6 +114,15 @@ static inline v4d v4d_all(double a) {
   return (v4d){a, a, a, a};
 }
 
+/* Of the four doubles at a place the first three, and 0. */
+static inline v4d v4d_three(const double *p) {
+#ifdef __AVX2__
+  return _mm256_blend_pd(_mm256_setzero_pd(), _mm256_loadu_pd(p), 7);
+#else
+  return (v4d){p[0], p[1], p[2], 0.0};
+#endif
+}
+
 static inline v4l v4l_all(int64_t a) {
   return (v4l){a, a, a, a};
 }
