@@ -2,10 +2,10 @@
  * adjacent cells, so that a ball's candidates are the balls of 27 cells, however many there are.
  *
  * Every cell has room for a few balls, two as a rule, side by side along x: the cells to the left,
- * here and to the right are one row of slots, and nine such rows are looked through by vectors. Of
- * more than these few the last slot names a crowd, where the others are; if there are too many
- * crowds, all cells are given more room. What the loop asks of cells stands here, to be worked on
- * in place; the rest is in partition_cells.c. */
+ * here and to the right are one row of slots in one cache line, and nine such rows are looked
+ * through by vectors. Of more than these few the last slot names a crowd, where the others are; if
+ * there are too many crowds, all cells are given more room. What the loop asks of cells stands
+ * here, to be worked on in place; the rest is in partition_cells.c. */
 #ifndef EVENTMILL_EVENT_BLOCKS_H
 #define EVENTMILL_EVENT_BLOCKS_H
 
@@ -26,13 +26,18 @@ enum {
   EM_BLOCKS_STAYS = 6    /* the leave time is not that of an exit */
 };
 
-/* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. Along x, where
- * rows are, they have slots of their own, which hold the same balls. */
+/* How far it is, in slots, from a cell to the one below and to the one above along an axis. */
+struct em_blocks_pitch {
+  ptrdiff_t to[2];
+};
+
+/* One axis. Cells 0 and n + 1 are those beyond the ends: round the period, or empty. */
 struct em_blocks_axis {
   int n;
   double low, edge, period; /* m, m, m; 0 where not periodic, and where there is one cell */
   ptrdiff_t *line;          /* what cell k adds to the number of a cell's first slot */
-  double *border;           /* lower border of cell k; far away at closed ends */
+  struct em_blocks_pitch *pitch;
+  double *border; /* lower border of cell k; far away at closed ends */
 };
 
 /* The balls that share the last slot of a cell. */
@@ -49,7 +54,8 @@ struct em_places {
    * the axis, and one more for the upper side. */
   struct em_plan *plan;
   struct em_blocks_axis axis[3];
-  ptrdiff_t *image; /* slots to the image of a cell that is x along its row; 0 where it has none */
+  ptrdiff_t *image; /* slots to the image of a cell that is x along its row; 0 where it has none:
+                     * see set_row in partition_cells.c */
   size_t cells;
   uint32_t room, room_bits; /* slots of a cell: 1 << room_bits */
   uint32_t *slot;
@@ -152,8 +158,8 @@ static inline void em_blocks_moved(struct em_world *w, uint32_t i, bool falls, b
 
 /* --- slots ------------------------------------------------------------------------------------ */
 
-/* Puts a number in a slot of a cell that is x along its row, and of its image beyond an end of the
- * row: which cells have one cannot be foretold, so that the others write twice. */
+/* Puts a number in a slot of a cell that is x along its row, and of its image: which cells have one
+ * cannot be foretold, so that the others write twice. */
 static inline void em_blocks_put(const struct em_places *p, uint32_t *slot, uint16_t x,
                                  uint32_t number) {
   slot[0] = number;
@@ -200,17 +206,6 @@ static inline uint32_t *em_blocks_end(const struct em_places *p, uint32_t self, 
   return end;
 }
 
-/* How far it is, in slots, from a cell to the one below and to the one above along an axis. */
-struct em_blocks_pitch {
-  ptrdiff_t below, above;
-};
-
-static inline struct em_blocks_pitch em_blocks_pitch(const struct em_places *p, int axis,
-                                                     const uint16_t at[3]) {
-  const ptrdiff_t *line = p->axis[axis].line + at[axis];
-  return (struct em_blocks_pitch){line[-1] - line[0], line[1] - line[0]};
-}
-
 /* Nine places side by side along two axes; the one at `slot` is in their midst. */
 struct em_blocks_slab {
   const uint32_t *slot;
@@ -220,23 +215,25 @@ struct em_blocks_slab {
 /* The nine rows along x around the cell `at`, each at the cell that is as far along it. */
 static inline struct em_blocks_slab em_blocks_rows(const struct em_places *p,
                                                    const uint16_t at[3]) {
-  return (struct em_blocks_slab){em_blocks_slot(p, at), em_blocks_pitch(p, 1, at),
-                                 em_blocks_pitch(p, 2, at)};
+  return (struct em_blocks_slab){em_blocks_slot(p, at), p->axis[1].pitch[at[1]],
+                                 p->axis[2].pitch[at[2]]};
 }
 
 /* The nine cells that are new to a ball that has entered the cell `at` by the side `exit`. */
 static inline struct em_blocks_slab em_blocks_beyond(const struct em_places *p,
                                                      const uint16_t at[3], unsigned exit) {
-  const int a = (int)exit / 2;
-  const ptrdiff_t *line = p->axis[a].line + at[a];
-  const ptrdiff_t beyond = line[exit & 1 ? 1 : -1] - line[0];
-  return (struct em_blocks_slab){em_blocks_slot(p, at) + beyond, em_blocks_pitch(p, a == 0, at),
-                                 em_blocks_pitch(p, 2 - (a == 2), at)};
+  const unsigned a = exit / 2, u = a == 0, v = 2 - (a == 2);
+  const struct em_blocks_pitch *pitch = &p->axis[a].pitch[at[a]];
+  return (struct em_blocks_slab){
+      em_blocks_slot(p, at) + pitch->to[exit & 1],
+      p->axis[u].pitch[at[u]],
+      p->axis[v].pitch[at[v]],
+  };
 }
 
 /* To the one below (k = 0), to itself (1), to the one above (2). */
 static inline ptrdiff_t em_blocks_to(struct em_blocks_pitch pitch, int k) {
-  return k == 0 ? pitch.below : k == 1 ? 0 : pitch.above;
+  return k == 1 ? 0 : pitch.to[k / 2];
 }
 
 static inline const uint32_t *em_blocks_ninth(const struct em_blocks_slab *s, int k) {
@@ -391,7 +388,7 @@ static inline __attribute__((always_inline)) void em_blocks_fetch(const struct e
   for (int k = 0; k < 9; k++) {
     const uint32_t *row = em_blocks_ninth(&rows, k);
     em_fetch(row - p->room);
-    em_fetch(row + 2 * p->room - 1);
+    if (p->room > EM_BLOCKS_ROOM) em_fetch(row + 2 * p->room - 1);
   }
 }
 

@@ -10,6 +10,7 @@
 #define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum {
+  TILE = 8,       /* cells of a row in one cache line, if they have two slots: see set_row */
   TURN_LEAST = 5, /* fewer cells along a periodic edge are made one: see em_span_room */
   CROWDED = 400   /* of as many balls one may be in a crowd, before all cells are given more room */
 };
@@ -119,8 +120,11 @@ static bool take_slots(struct em_places *p, size_t room) {
   p->finder = finder;
   const ptrdiff_t factor = (ptrdiff_t)(old ? room / old : room);
   for (int a = 0; a < 3; a++)
-    for (int k = 0; k < p->axis[a].n + 2; k++)
+    for (int k = 0; k < p->axis[a].n + 2; k++) {
       p->axis[a].line[k] *= factor;
+      p->axis[a].pitch[k].to[0] *= factor;
+      p->axis[a].pitch[k].to[1] *= factor;
+    }
   for (int k = 0; k < p->axis[0].n + 2; k++)
     p->image[k] *= factor;
   p->room = (uint32_t)room;
@@ -157,6 +161,7 @@ static void free_places(struct em_places *p) {
   if (!p) return;
   for (int a = 0; a < 3; a++) {
     free(p->axis[a].line);
+    free(p->axis[a].pitch);
     free(p->axis[a].border);
   }
   free(p->image);
@@ -204,34 +209,62 @@ static void set_cells(struct em_world *w, struct em_places *p) {
   if (w->early == INFINITY) w->early = 0.0;
 }
 
-/* Closed ends have an empty cell beyond them, periodic ones go on at the other end. */
-static bool set_axis(struct em_blocks_axis *axis, bool row, uint32_t step, uint32_t *cells) {
-  const uint32_t n = (uint32_t)axis->n;
-  const bool open = axis->period > 0.0, apart = row || !open;
-  axis->line = em_body_array(n + 2, sizeof *axis->line);
-  axis->border = em_body_array(n + 3, sizeof *axis->border);
-  if (!axis->line || !axis->border) return false;
-  for (uint32_t k = 0; k < n + 2; k++)
-    axis->line[k] = (ptrdiff_t)step * (apart ? k : (k + n - 1) % n);
-  for (uint32_t k = 0; k < n + 3; k++)
-    axis->border[k] = axis->low + ((double)k - 1.0) * axis->edge;
-  if (!open || n == 1) {
-    axis->border[1] = -FAR;
-    axis->border[n + 1] = FAR;
+/* Rows are cut into tiles, each of one cache line where a cell has two slots: some cells, and at
+ * both ends images of those that come before and after, so that any three side by side are in one
+ * tile. No cell has two images, for a row of more than one tile has more than one in each. Returns
+ * how many cells that is. */
+static uint32_t set_row(const struct em_blocks_axis *row, ptrdiff_t *image) {
+  const uint32_t n = (uint32_t)row->n, tiles = (n + TILE - 3) / (TILE - 2);
+  for (uint32_t t = 0, k = 1; t < tiles; t++)
+    for (uint32_t place = 1; k <= (t + 1) * n / tiles; k++, place++)
+      row->line[k] = TILE * t + place;
+  for (uint32_t t = 1; t <= tiles; t++) {
+    const uint32_t last = t * n / tiles, next = last < n ? last + 1 : 1;
+    if (last == n && !(row->period > 0.0)) break;
+    image[last] = row->line[next] - 1 - row->line[last];
+    image[next] = row->line[last] + 1 - row->line[next];
   }
-  *cells = apart ? n + 2 : n;
+  for (uint32_t k = 1; k <= n; k++)
+    row->pitch[k] = (struct em_blocks_pitch){{-1, 1}};
+  return TILE * tiles;
+}
+
+/* Along y and z closed ends have an empty cell beyond them, periodic ones go on at the other end.
+ */
+static uint32_t set_column(const struct em_blocks_axis *axis, uint32_t step) {
+  const uint32_t n = (uint32_t)axis->n;
+  const bool open = axis->period > 0.0;
+  ptrdiff_t *line = axis->line;
+  for (uint32_t k = 0; k < n + 2; k++)
+    line[k] = (ptrdiff_t)step * (open ? (k + n - 1) % n : k);
+  for (uint32_t k = 1; k <= n; k++)
+    axis->pitch[k] = (struct em_blocks_pitch){{line[k - 1] - line[k], line[k + 1] - line[k]}};
+  return open ? n : n + 2;
+}
+
+static bool set_axes(struct em_places *p) {
+  p->cells = 1;
+  p->image = em_body_array((size_t)p->axis[0].n + 2, sizeof *p->image);
+  for (int a = 0; a < 3; a++) {
+    struct em_blocks_axis *axis = &p->axis[a];
+    const size_t n = (size_t)axis->n;
+    axis->line = em_body_array(n + 2, sizeof *axis->line);
+    axis->pitch = em_body_array(n + 2, sizeof *axis->pitch);
+    axis->border = em_body_array(n + 3, sizeof *axis->border);
+    if (!axis->line || !axis->pitch || !axis->border || !p->image) return false;
+    for (size_t k = 0; k < n + 3; k++)
+      axis->border[k] = axis->low + ((double)k - 1.0) * axis->edge;
+    if (!(axis->period > 0.0)) {
+      axis->border[1] = -FAR;
+      axis->border[n + 1] = FAR;
+    }
+    p->cells *= a == 0 ? set_row(axis, p->image) : set_column(axis, (uint32_t)p->cells);
+  }
   return true;
 }
 
 static bool take_arrays(const struct em_world *w, struct em_places *p) {
-  uint32_t step = 1, cells;
-  for (int a = 0; a < 3; a++, step *= cells)
-    if (!set_axis(&p->axis[a], a == 0, step, &cells)) return false;
-  p->cells = step;
-  const struct em_blocks_axis *row = &p->axis[0];
-  p->image = em_body_array((size_t)row->n + 2, sizeof *p->image);
-  if (!p->image) return false;
-  if (row->period > 0.0) p->image[1] = row->n, p->image[row->n] = -row->n;
+  if (!set_axes(p)) return false;
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(p->cells, sizeof *p->near);
   if (p->room_m < INFINITY) p->centre = em_body_array(p->count, sizeof *p->centre);
