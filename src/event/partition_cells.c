@@ -12,7 +12,10 @@
 enum {
   TILE = 8,       /* cells of a row in one cache line, if they have two slots: see set_row */
   TURN_LEAST = 5, /* fewer cells along a periodic edge are made one: see em_span_room */
-  CROWDED = 400   /* of as many balls one may be in a crowd, before all cells are given more room */
+  /* There may be a crowd for as many balls, before all cells are given more room; fewer in large
+   * systems, where crowds are waited for: measured. */
+  CROWDED = 150,
+  CROWDED_LARGE = 400
 };
 
 static void split(struct em_vec a, double part[3]) {
@@ -268,7 +271,7 @@ static bool take_arrays(const struct em_world *w, struct em_places *p) {
   const bool any = w->drum || w->walls || w->blade_count;
   if (any) p->near = em_body_array(p->cells, sizeof *p->near);
   if (p->room_m < INFINITY) p->centre = em_body_array(p->count, sizeof *p->centre);
-  p->crowds = p->count / CROWDED + 8;
+  p->crowds = p->count / (p->count < EM_FETCH_FROM ? CROWDED : CROWDED_LARGE) + 8;
   p->crowd = em_body_array(p->crowds, sizeof *p->crowd);
   return p->crowd && (p->near || !any) && (p->centre || p->room_m == INFINITY);
 }
