@@ -14,7 +14,7 @@ enum {
   TURN_LEAST = 5, /* fewer cells along a periodic edge are made one: see em_span_room */
   /* There may be a crowd for as many balls, before all cells are given more room; fewer in large
    * systems, where crowds are waited for: measured. */
-  CROWDED = 150,
+  CROWDED = 100,
   CROWDED_LARGE = 400
 };
 
@@ -96,8 +96,8 @@ static bool fill_slots(struct em_places *p) {
   return true;
 }
 
-/* Empty ones for cells of this room, and some beyond, which are read too. The scratch keeps what
- * was found. */
+/* Empty ones for cells of this room, and some beyond, which are read too. If it is more than it
+ * was, the scratch keeps what was found. */
 static bool take_slots(struct em_places *p, size_t room) {
   const size_t old = p->room, n = p->cells * room + 8;
   uint32_t *slot = em_body_array(n, sizeof *slot);
@@ -111,7 +111,7 @@ static bool take_slots(struct em_places *p, size_t room) {
   }
   for (size_t k = 0; k < n; k++)
     slot[k] = EM_SLOTS_EMPTY;
-  if (old) {
+  if (old && old < room) {
     memcpy(found, p->found, found_room(old) * sizeof *found);
     memcpy(finder, p->finder, found_room(old) * sizeof *finder);
   }
@@ -121,15 +121,16 @@ static bool take_slots(struct em_places *p, size_t room) {
   p->slot = slot;
   p->found = found;
   p->finder = finder;
-  const ptrdiff_t factor = (ptrdiff_t)(old ? room / old : room);
+  const ptrdiff_t was = old ? (ptrdiff_t)old : 1, is = (ptrdiff_t)room;
   for (int a = 0; a < 3; a++)
     for (int k = 0; k < p->axis[a].n + 2; k++) {
-      p->axis[a].line[k] *= factor;
-      p->axis[a].pitch[k].to[0] *= factor;
-      p->axis[a].pitch[k].to[1] *= factor;
+      struct em_blocks_pitch *pitch = &p->axis[a].pitch[k];
+      p->axis[a].line[k] = p->axis[a].line[k] / was * is;
+      pitch->to[0] = pitch->to[0] / was * is;
+      pitch->to[1] = pitch->to[1] / was * is;
     }
   for (int k = 0; k < p->axis[0].n + 2; k++)
-    p->image[k] *= factor;
+    p->image[k] = p->image[k] / was * is;
   p->room = (uint32_t)room;
   p->room_bits = (uint32_t)__builtin_ctz(p->room);
   return true;
@@ -140,6 +141,27 @@ bool em_partition_cells_widen(struct em_places *p) {
     if (!take_slots(p, p->room ? 2 * p->room : EM_BLOCKS_ROOM)) return false;
   while (!fill_slots(p));
   return true;
+}
+
+/* Would few cells be full if they had half the room? */
+static bool is_roomy(const struct em_places *p) {
+  uint32_t full = 0;
+  for (uint32_t i = 0; i < p->count; i++) {
+    const uint32_t *slot = em_blocks_slot(p, p->plan[i].cell);
+    uint32_t held = 0;
+    for (uint32_t k = 0; k < p->room; k++)
+      held += slot[k] & EM_SLOTS_CROWD ? p->room : slot[k] != EM_SLOTS_EMPTY;
+    full += 2 * held > p->room;
+  }
+  return full <= p->crowds;
+}
+
+/* Balls that crowded, as they do where they start, may crowd no more; if memory is short, cells
+ * stay as they are. */
+static bool renew(struct em_world *w) {
+  struct em_places *p = w->places;
+  if (p->room == EM_BLOCKS_ROOM || !is_roomy(p) || !take_slots(p, p->room / 2)) return true;
+  return fill_slots(p) || em_partition_cells_widen(p);
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
@@ -402,6 +424,7 @@ const struct em_partition_kind em_partition_cells = {
     .lasting = true,
     .moved = moved,
     .cross = cross,
+    .renew = renew,
     .fetch = fetch,
     .bytes = bytes,
     .is_valid = is_valid,

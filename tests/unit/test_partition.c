@@ -307,6 +307,56 @@ static void test_same_collisions(void **unused) {
   }
 }
 
+/* --- cells that become roomy -------------------------------------------------------------------
+ */
+
+#define CLOUD                                                                                \
+  "chamber = { shape = \"box\"; size = [0.1, 0.1, 0.1]; periodic = [true, false, false]; };" \
+  "gravity = \"none\"; balls = ( { name = \"large\"; count = 1; diameter = 0.012; },"        \
+  "                             { name = \"small\"; count = 150; diameter = 0.003; } );" GAS
+
+/* Small balls side by side in a few cells that fit the large one; they fly apart. */
+static struct em_world *open_cloud(const char *partition, struct em_scene **scene) {
+  static struct em_error err; /* large */
+  const char *overrides[] = {partition};
+  struct em_balls *balls = NULL;
+  struct em_world *world = NULL;
+  uint64_t state = 1;
+  if (em_scene_parse(scene, CLOUD, "cloud", 1, overrides, &err) ||
+      em_start_make(&balls, *scene, NULL, &err))
+    fail_msg("%s", err.text);
+  balls->position[0] = em_vec_make(0.04, 0.09, 0.09);
+  for (size_t i = 1; i < balls->count; i++) {
+    const double x = (double)(i % 6), y = (double)(i / 6 % 5), z = (double)(i / 30);
+    balls->position[i] = em_vec_make(-0.04 + 0.0031 * x, 0.01 + 0.0031 * y, 0.01 + 0.0031 * z);
+    balls->velocity[i] = em_vec_make(draw(&state) - 0.3, draw(&state) - 0.3, draw(&state) - 0.3);
+  }
+  if (em_world_new(&world, *scene, balls, &err)) fail_msg("%s", err.text);
+  em_start_free(balls);
+  return world;
+}
+
+static void test_cells_get_roomy(void **unused) {
+  (void)unused;
+  static struct em_error err; /* large */
+  struct em_scene *scene[2];
+  struct em_world *none = open_cloud("engine.partition=none", &scene[0]);
+  struct em_world *cells = open_cloud("engine.partition=cells", &scene[1]);
+  struct print expected = {0, 0}, got = {0, 0};
+  assert_int_equal(em_world_observe(none, &(struct em_observer){&expected, see}), EM_OK);
+  assert_int_equal(em_world_observe(cells, &(struct em_observer){&got, see}), EM_OK);
+  const double crowded = em_world_bytes_per_ball(cells);
+  if (em_world_run(none, 2.0, NULL, &err)) fail_msg("%s", err.text);
+  if (em_world_run(cells, 2.0, NULL, &err)) fail_msg("%s", err.text);
+  assert_true(em_world_bytes_per_ball(cells) < 0.8 * crowded);
+  assert_true(expected.count > 500);
+  assert_int_equal(got.count, expected.count);
+  assert_int_equal(got.value, expected.value);
+  if (!em_world_is_valid(cells, 1e-9, &err)) fail_msg("%s", err.text);
+  close_world(none, scene[0]);
+  close_world(cells, scene[1]);
+}
+
 static void test_too_many_slices(void **unused) {
   (void)unused;
   static struct em_error err; /* large */
@@ -326,6 +376,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
       cmocka_unit_test(test_same_collisions),
+      cmocka_unit_test(test_cells_get_roomy),
       cmocka_unit_test(test_too_many_slices),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
