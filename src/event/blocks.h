@@ -125,7 +125,7 @@ static inline v4d em_blocks_curved(const struct em_places *p, v4d x, v4d v, v4d 
 }
 
 /* Sets the leave time of ball i, which is at a place with a speed at the time `from`, and its exit.
- */
+ * The last lane of the speed is 0. */
 static inline void em_blocks_leave(struct em_world *w, uint32_t i, double from, v4d place,
                                    v4d speed, bool falls, bool periodic) {
   struct em_places *p = w->places;
@@ -177,12 +177,11 @@ static inline uint32_t em_blocks_slot_of(const struct em_places *p, const uint32
   return k;
 }
 
-/* Into its cell, the one with this number. */
+/* Into its cell, the one with this number; false: cells have not enough room. */
 static inline bool em_blocks_enter(struct em_places *p, uint32_t i, ptrdiff_t number) {
   uint32_t *slot = p->slot + number;
   const uint32_t k = em_blocks_slot_of(p, slot, EM_SLOTS_EMPTY);
-  if (__builtin_expect(k == p->room, 0))
-    return em_partition_cells_join(p, slot, i) || em_partition_cells_widen(p);
+  if (__builtin_expect(k == p->room, 0)) return em_partition_cells_join(p, slot, i);
   em_blocks_put(p, slot + k, p->plan[i].cell[0], i);
   return true;
 }
@@ -336,7 +335,7 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
     if (p->near) here->near = *em_blocks_near(p, next);
     em_blocks_quit(p, i, number);
     here->cell[a] = to;
-    if (!em_blocks_enter(p, i, next)) return false;
+    if (!em_blocks_enter(p, i, next) && !em_partition_cells_widen(p)) return false;
   }
   const struct em_body *b = &w->body[i];
   const double dt = now - b->t;

@@ -85,21 +85,32 @@ static bool fill_slots(struct em_places *p) {
   for (uint32_t k = 0; k < p->crowds; k++)
     p->crowd[k] = (struct em_blocks_crowd){0, {k + 1}};
   p->spare = 0;
-  for (uint32_t i = 0; i < p->count; i++) {
-    uint32_t *slot = em_blocks_slot(p, p->plan[i].cell);
-    const uint32_t k = em_blocks_slot_of(p, slot, EM_SLOTS_EMPTY);
-    if (k < p->room)
-      put(p, slot + k, i, i);
-    else if (!em_partition_cells_join(p, slot, i))
-      return false;
-  }
+  for (uint32_t i = 0; i < p->count; i++)
+    if (!em_blocks_enter(p, i, em_blocks_number(p, p->plan[i].cell))) return false;
   return true;
+}
+
+/* Distances between cells are counted in slots. */
+static void set_room(struct em_places *p, uint32_t room) {
+  const ptrdiff_t was = p->room ? p->room : 1, is = room;
+  for (int a = 0; a < 3; a++)
+    for (int k = 0; k < p->axis[a].n + 2; k++) {
+      struct em_blocks_pitch *pitch = &p->axis[a].pitch[k];
+      p->axis[a].line[k] = p->axis[a].line[k] / was * is;
+      pitch->to[0] = pitch->to[0] / was * is;
+      pitch->to[1] = pitch->to[1] / was * is;
+    }
+  for (int k = 0; k < p->axis[0].n + 2; k++)
+    p->image[k] = p->image[k] / was * is;
+  p->room = room;
+  p->room_bits = (uint32_t)__builtin_ctz(room);
 }
 
 /* Empty ones for cells of this room, and some beyond, which are read too. If it is more than it
  * was, the scratch keeps what was found. */
-static bool take_slots(struct em_places *p, size_t room) {
-  const size_t old = p->room, n = p->cells * room + 8;
+static bool take_slots(struct em_places *p, uint32_t room) {
+  const uint32_t old = p->room;
+  const size_t n = p->cells * room + 8;
   uint32_t *slot = em_body_array(n, sizeof *slot);
   uint32_t *found = em_body_array(found_room(room), sizeof *found);
   uint32_t *finder = em_body_array(found_room(room), sizeof *finder);
@@ -121,18 +132,7 @@ static bool take_slots(struct em_places *p, size_t room) {
   p->slot = slot;
   p->found = found;
   p->finder = finder;
-  const ptrdiff_t was = old ? (ptrdiff_t)old : 1, is = (ptrdiff_t)room;
-  for (int a = 0; a < 3; a++)
-    for (int k = 0; k < p->axis[a].n + 2; k++) {
-      struct em_blocks_pitch *pitch = &p->axis[a].pitch[k];
-      p->axis[a].line[k] = p->axis[a].line[k] / was * is;
-      pitch->to[0] = pitch->to[0] / was * is;
-      pitch->to[1] = pitch->to[1] / was * is;
-    }
-  for (int k = 0; k < p->axis[0].n + 2; k++)
-    p->image[k] = p->image[k] / was * is;
-  p->room = (uint32_t)room;
-  p->room_bits = (uint32_t)__builtin_ctz(p->room);
+  set_room(p, room);
   return true;
 }
 
@@ -396,7 +396,8 @@ static size_t copies(const struct em_places *p, const uint32_t *slot, uint16_t x
   return p->image[x] != 0 && slot[p->image[x]] == *slot ? 2 : 1;
 }
 
-/* Every ball is in its cell, and nothing else is anywhere but images beyond the ends of rows. */
+/* Every ball is in its cell, and nothing else is anywhere but images beside the ends of tiles.
+ */
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
   size_t sum = 0, held = 0;

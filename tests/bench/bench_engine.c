@@ -6,6 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+#include <gsl/gsl_randist.h>
+
 #include "eventmill/world.h"
 
 static const char mill[] = "geometries/simoloyer-2l.cfg";
@@ -102,14 +104,10 @@ static void print_head(void) {
 /* Balls of one kind in random order, as they stand after a long run: they start in that of a
  * lattice, which memory is faster with. */
 static void shuffle(struct em_balls *balls) {
-  uint64_t state = 1;
-  for (size_t i = balls->count; i > 1; i--) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const size_t k = (size_t)((state >> 32) * i >> 32);
-    const struct em_vec x = balls->position[i - 1], v = balls->velocity[i - 1];
-    balls->position[i - 1] = balls->position[k], balls->velocity[i - 1] = balls->velocity[k];
-    balls->position[k] = x, balls->velocity[k] = v;
-  }
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  if (!random) exit(1);
+  gsl_ran_shuffle(random, balls->position, balls->count, sizeof *balls->position);
+  gsl_rng_free(random);
 }
 
 static void bench(const struct item *item, double limit, size_t extra, char **more) {
