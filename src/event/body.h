@@ -143,6 +143,13 @@ static inline double em_body_shift(double d, double period, double per_period) {
   return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
 }
 
+/* Back into the box; as it is along closed axes, for there the period is 0. */
+static inline struct em_vec em_body_wrap(const struct em_world *w, struct em_vec x) {
+  return (struct em_vec){x.x - w->period.x * floor((x.x - w->low.x) * w->per_period.x),
+                         x.y - w->period.y * floor((x.y - w->low.y) * w->per_period.y),
+                         x.z - w->period.z * floor((x.z - w->low.z) * w->per_period.z)};
+}
+
 /* Position of ball i at time t (s within the epoch). */
 static inline struct em_vec em_body_at(const struct em_world *w, uint32_t i, double t) {
   const struct em_body *b = &w->body[i];

@@ -9,9 +9,8 @@ static void FN(advance)(struct em_world *w, uint32_t i, double t) {
   struct em_body *b = &w->body[i];
   FN(fly)(w, b, t);
   if (WITH(PERIODIC)) {
-    b->x = wrap(b->x, w->low.x, w->period.x, w->per_period.x);
-    b->y = wrap(b->y, w->low.y, w->period.y, w->per_period.y);
-    b->z = wrap(b->z, w->low.z, w->period.z, w->per_period.z);
+    const struct em_vec x = em_body_wrap(w, centre(b));
+    b->x = x.x, b->y = x.y, b->z = x.z;
   }
 }
 

@@ -200,11 +200,6 @@ static inline vd image_shift(vd d, double period, double per_period) {
   return period * vd_nearest(d * per_period);
 }
 
-/* Back into the box; as it is where the box is closed, for then per_period is 0. */
-static inline double wrap(double x, double low, double period, double per_period) {
-  return x - period * floor((x - low) * per_period);
-}
-
 /* --- bookkeeping ------------------------------------------------------------------------------ */
 
 static inline struct em_vec centre(const struct em_body *b) {

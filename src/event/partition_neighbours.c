@@ -151,10 +151,6 @@ static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
 
 /* --- shells ----------------------------------------------------------------------------------- */
 
-static double wrapped(double x, double low, double period) {
-  return period > 0.0 ? x - period * floor((x - low) / period) : x;
-}
-
 /* Sets the cosine and sine of the shells' angle at time t, to 1e-12: from those of a time nearby,
  * which are renewed every few thousandths of a turn. */
 static void shells_turn(struct em_places *p, double t) {
@@ -264,10 +260,10 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   const double speed2 = em_vec_norm2(v);
   struct shell *s = &p->of[i].shell;
   const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
-  const struct em_vec c = em_vec_axpy(x, ahead, v);
-  s->centre[0] = (float)wrapped(c.x, w->low.x, w->period.x);
-  s->centre[1] = (float)wrapped(c.y, w->low.y, w->period.y);
-  s->centre[2] = (float)wrapped(c.z, w->low.z, w->period.z);
+  const struct em_vec c = em_body_wrap(w, em_vec_axpy(x, ahead, v));
+  s->centre[0] = (float)c.x;
+  s->centre[1] = (float)c.y;
+  s->centre[2] = (float)c.z;
   w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
   if (p->surfaces) w->plan[i].near = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
 }

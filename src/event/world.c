@@ -311,10 +311,6 @@ double em_world_blade_angle(const struct em_world *w, size_t blade, double time)
   return b->angle + b->omega * local_time(w, time);
 }
 
-static double inside(double x, double low, double period) {
-  return period > 0.0 ? x - period * floor((x - low) / period) : x;
-}
-
 void em_world_state(const struct em_world *w, double time, struct em_balls *balls) {
   const double t = local_time(w, time);
   size_t i = 0;
@@ -322,10 +318,7 @@ void em_world_state(const struct em_world *w, double time, struct em_balls *ball
     for (size_t k = 0; k < w->scene->species[s].count && i < w->count; k++)
       balls->species[i++] = (uint16_t)s;
   for (i = 0; i < w->count; i++) {
-    const struct em_vec x = em_body_at(w, (uint32_t)i, t);
-    balls->position[i] =
-        em_vec_make(inside(x.x, w->low.x, w->period.x), inside(x.y, w->low.y, w->period.y),
-                    inside(x.z, w->low.z, w->period.z));
+    balls->position[i] = em_body_wrap(w, em_body_at(w, (uint32_t)i, t));
     balls->velocity[i] = em_body_velocity(w, (uint32_t)i, t);
     balls->spin[i] = w->spin ? w->spin[i] : em_vec_make(0.0, 0.0, 0.0);
     balls->radius[i] = w->body[i].radius;
