@@ -27,7 +27,7 @@ ifneq ($(filter-out 0,$(SAN)),)
   KIND := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 else ifneq ($(filter-out 0,$(DEBUG)),)
   B := $(B)/debug
-  KIND := -O0 -g3 -DEM_DEBUG
+  KIND := -O0 -g3
 else
   KIND := $(OPT) -g -DNDEBUG
 endif

@@ -123,6 +123,12 @@ const struct em_loop_kind *em_loop_avx512_find(unsigned flags);
  * their rounding. */
 bool em_body_next_epoch(struct em_world *world);
 
+/* Have all balls finite states, and do none overlap by more than `tolerance` (m)? Fills err with
+ * the first fault. */
+bool em_body_is_clear(struct em_world *world, double tolerance, struct em_error *err);
+/* Are the event lists and the partition consistent? Builds with assertions ask at each epoch. */
+bool em_body_lists_are_valid(const struct em_world *world);
+
 /* When balls i and j touch, in the precision that engine.polish asks for; shift: of the periodic
  * image, added to j − i. INFINITY: they don't. */
 double em_body_exact_pair(const struct em_world *world, uint32_t i, uint32_t j,

@@ -4,9 +4,7 @@
 #define LOOP_LANES 1
 #include "event/loop_variants.h"
 
-/* A rotor always comes with the remedies compiled in. */
 const struct em_loop_kind *em_loop_find(unsigned flags, unsigned lanes) {
-  if (flags & EM_LOOP_ROTOR) flags |= EM_LOOP_EXTRA;
 #ifdef EM_HAVE_AVX2
   if (lanes >= 8) return em_loop_avx512_find(flags);
   if (lanes >= 4) return em_loop_avx2_find(flags);

@@ -79,7 +79,7 @@ static __attribute__((noinline)) bool FN(predict_blade)(struct em_world *w, uint
   const double angle = blade->angle + blade->omega * b->t;
   const bool touched = w->plan[i].last == code;
   unsigned steps = 0;
-  const double dt = w->special_roots
+  const double dt = WITH(EXTRA) && w->special_roots
                         ? em_surface_roots_blade(&w->scene->engine.roots, blade, r, v, g, b->radius,
                                                  angle, touched, h, &steps)
                         : em_surface_blade(blade, r, v, g, b->radius, angle, touched, h, &steps);

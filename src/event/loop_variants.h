@@ -65,6 +65,22 @@
 #define LOOP_FLAGS (EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_PERIODIC | EM_LOOP_EXTRA)
 #include "event/loop_template.h"
 
+#define LOOP       rotor
+#define LOOP_FLAGS (EM_LOOP_ROTOR)
+#include "event/loop_template.h"
+
+#define LOOP       spin_rotor
+#define LOOP_FLAGS (EM_LOOP_SPIN | EM_LOOP_ROTOR)
+#include "event/loop_template.h"
+
+#define LOOP       gravity_rotor
+#define LOOP_FLAGS (EM_LOOP_GRAVITY | EM_LOOP_ROTOR)
+#include "event/loop_template.h"
+
+#define LOOP       gravity_spin_rotor
+#define LOOP_FLAGS (EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR)
+#include "event/loop_template.h"
+
 #define LOOP       rotor_remedies
 #define LOOP_FLAGS (EM_LOOP_ROTOR | EM_LOOP_EXTRA)
 #include "event/loop_template.h"
@@ -109,6 +125,11 @@ static const struct em_loop_kind kinds[] = {
     VARIANT(gravity_spin_periodic_remedies,
             EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_PERIODIC | EM_LOOP_EXTRA,
             "gravity+spin+periodic+remedies"),
+    VARIANT(rotor, EM_LOOP_ROTOR, "rotor"),
+    VARIANT(spin_rotor, EM_LOOP_SPIN | EM_LOOP_ROTOR, "spin+rotor"),
+    VARIANT(gravity_rotor, EM_LOOP_GRAVITY | EM_LOOP_ROTOR, "gravity+rotor"),
+    VARIANT(gravity_spin_rotor, EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR,
+            "gravity+spin+rotor"),
     VARIANT(rotor_remedies, EM_LOOP_ROTOR | EM_LOOP_EXTRA, "rotor+remedies"),
     VARIANT(spin_rotor_remedies, EM_LOOP_SPIN | EM_LOOP_ROTOR | EM_LOOP_EXTRA,
             "spin+rotor+remedies"),

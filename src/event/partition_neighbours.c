@@ -23,7 +23,7 @@ enum {
   LIST_CLASSES = 28 /* rooms up to LIST_LEAST << 27 */
 };
 
-/* The sphere in which a ball stays until world.leave. */
+/* The sphere in which a ball stays until plan.leave. */
 struct shell {
   float centre[3]; /* m */
   float skin;      /* m: room for the ball's centre */
@@ -192,9 +192,9 @@ static inline struct em_vec offset(const struct em_world *w, const struct shell 
 }
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
- * `fast`: its speed in the frame of the scene. Its straight path may use a part of the skin, what
- * bends the path the rest: gravity, and, seen from turning shells, 2 Ω |v| + Ω² ρ, together less
- * than `bend`. */
+ * `fast2`: its squared speed in the frame of the scene. Its straight path may use a part of the
+ * skin, what bends the path the rest: gravity, and, seen from turning shells, 2 Ω |v| + Ω² ρ,
+ * together less than `bend`. */
 static double stay(const struct em_world *w, const struct em_places *p, const struct shell *s,
                    double from, struct em_vec x, struct em_vec v, double fast2) {
   const double skin = (double)s->skin, vv = em_vec_norm2(v);

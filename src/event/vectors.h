@@ -11,7 +11,6 @@
 #include <emmintrin.h>
 #endif
 
-typedef float v4f __attribute__((vector_size(16), may_alias));
 typedef float v8f __attribute__((vector_size(32), may_alias));
 typedef int32_t v8i __attribute__((vector_size(32), may_alias));
 typedef int32_t v4i __attribute__((vector_size(16), may_alias, aligned(4)));
@@ -19,36 +18,6 @@ typedef int32_t v8iu __attribute__((vector_size(32), aligned(4), may_alias)); /*
 
 static inline v8f v8f_all(float a) {
   return (v8f){a, a, a, a, a, a, a, a};
-}
-
-static inline v8f v8f_choose(v8i mask, v8f yes, v8f no) {
-#ifdef __AVX2__
-  return _mm256_blendv_ps(no, yes, (v8f)mask);
-#else
-  return (v8f)((mask & (v8i)yes) | (~mask & (v8i)no));
-#endif
-}
-
-static inline v8f v8f_least(v8f a, v8f b) {
-  return v8f_choose(a < b, a, b);
-}
-
-static inline v8f v8f_sqrt(v8f a) {
-#ifdef __AVX2__
-  return _mm256_sqrt_ps(a);
-#elif defined(__SSE2__)
-  union {
-    v8f all;
-    __m128 half[2];
-  } u = {a};
-  u.half[0] = _mm_sqrt_ps(u.half[0]);
-  u.half[1] = _mm_sqrt_ps(u.half[1]);
-  return u.all;
-#else
-  for (int k = 0; k < 8; k++)
-    a[k] = sqrtf(a[k]);
-  return a;
-#endif
 }
 
 /* Bit k: lane k of the mask is set. */
@@ -79,30 +48,6 @@ static inline unsigned v4i_bits(v4i mask) {
     bits |= (mask[k] & 1u) << k;
   return bits;
 #endif
-}
-
-static inline float v8f_least_of(v8f a) {
-  a = v8f_least(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
-  a = v8f_least(a, __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5));
-  a = v8f_least(a, __builtin_shufflevector(a, a, 1, 0, 3, 2, 5, 4, 7, 6));
-  return a[0];
-}
-
-/* The four floats at each of eight places, as four vectors: first of all, second of all … */
-static inline void v8f_gather(const float *const p[8], v8f *a, v8f *b, v8f *c, v8f *d) {
-  v8f r[4];
-  for (int k = 0; k < 4; k++) {
-    const v4f low = *(const v4f *)p[k], high = *(const v4f *)p[k + 4];
-    r[k] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-  }
-  const v8f low01 = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13);
-  const v8f high01 = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
-  const v8f low23 = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
-  const v8f high23 = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
-  *a = __builtin_shufflevector(low01, low23, 0, 1, 8, 9, 4, 5, 12, 13);
-  *b = __builtin_shufflevector(low01, low23, 2, 3, 10, 11, 6, 7, 14, 15);
-  *c = __builtin_shufflevector(high01, high23, 0, 1, 8, 9, 4, 5, 12, 13);
-  *d = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
 /* --- four doubles ----------------------------------------------------------------------------- */

@@ -10,7 +10,8 @@
 #include "event/body.h"
 #include "support/trial.h"
 
-#define GAS "geometries/ideal-gas.cfg"
+#define GAS  "geometries/ideal-gas.cfg"
+#define MILL "geometries/simoloyer-2l.cfg"
 
 static void test_spins(void **state) {
   (void)state;
@@ -58,8 +59,11 @@ static void test_variants(void **state) {
   has_flags("chamber={shape=\"box\";size=[0.1,0.1,0.1];periodic=true;};gravity=\"none\";"
             "contact={rule=\"smooth\";};balls={count=5;diameter=0.01;};",
             "", EM_LOOP_PERIODIC);
-  has_flags("geometries/simoloyer-2l.cfg", "balls.count=100",
+  has_flags(MILL, "balls.count=100",
             EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR | EM_LOOP_EXTRA);
+  has_flags(MILL, "balls.count=100 remedy.jam_after=0",
+            EM_LOOP_GRAVITY | EM_LOOP_SPIN | EM_LOOP_ROTOR);
+  has_flags(MILL, "balls.count=100 contact.rule=smooth gravity=none", EM_LOOP_ROTOR);
 }
 
 /* What is not called for may hold anything: the loop does not read it. (Partitions do: to them, no
@@ -87,13 +91,18 @@ static void spoil(struct trial *t, struct em_scene *scene) {
 
 static void test_unread(void **state) {
   (void)state;
-  static const char *const words[] = {"", "gravity=[0.0,0.0,-9.81]", "contact.rule=rough",
-                                      "contact.rule=friction contact.normal=spahn"};
-  for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
+  static const struct {
+    const char *scene, *words;
+  } of[] = {{GAS, ""},
+            {GAS, "gravity=[0.0,0.0,-9.81]"},
+            {GAS, "contact.rule=rough"},
+            {GAS, "contact.rule=friction contact.normal=spahn"},
+            {MILL, "remedy.jam_after=0"}};
+  for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
     struct trial clean, spoilt;
     struct em_scene scene;
-    trial_open(&clean, GAS, "balls.count=200 engine.partition=none %s", words[k]);
-    trial_open(&spoilt, GAS, "balls.count=200 engine.partition=none %s", words[k]);
+    trial_open(&clean, of[k].scene, "balls.count=200 engine.partition=none %s", of[k].words);
+    trial_open(&spoilt, of[k].scene, "balls.count=200 engine.partition=none %s", of[k].words);
     spoil(&spoilt, &scene);
     trial_collide(&clean, 5000);
     trial_collide(&spoilt, 5000);
@@ -102,6 +111,20 @@ static void test_unread(void **state) {
     trial_free(&clean);
     trial_free(&spoilt);
   }
+}
+
+/* A remedy that never acts changes nothing. */
+static void test_idle_remedy(void **state) {
+  (void)state;
+  struct trial without, idle;
+  trial_open(&without, MILL, "%s", "balls.count=200 remedy.jam_after=0");
+  trial_open(&idle, MILL, "%s", "balls.count=200 remedy.jam_after=0 remedy.elastic_below=1e-300");
+  assert_true(idle.world->loop->flags == (without.world->loop->flags | EM_LOOP_EXTRA));
+  trial_collide(&without, 20000);
+  trial_collide(&idle, 20000);
+  assert_true(trail_of_state(without.world) == trail_of_state(idle.world));
+  trial_free(&without);
+  trial_free(&idle);
 }
 
 static double bytes(const char *scene, const char *overrides) {
@@ -141,9 +164,10 @@ static void test_lists_stay_small(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_spins),    cmocka_unit_test(test_masses),
-      cmocka_unit_test(test_variants), cmocka_unit_test(test_unread),
-      cmocka_unit_test(test_bytes),    cmocka_unit_test(test_lists_stay_small),
+      cmocka_unit_test(test_spins),       cmocka_unit_test(test_masses),
+      cmocka_unit_test(test_variants),    cmocka_unit_test(test_unread),
+      cmocka_unit_test(test_bytes),       cmocka_unit_test(test_lists_stay_small),
+      cmocka_unit_test(test_idle_remedy),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,10 +20,11 @@ look() {
       split(functions, list, "\n")
       for (k in list) template[list[k]] = 1
       of["rotor"] = "predict_blade turning_gap note_blade em_surface_blade em_surface_blade_normal " \
-        "em_surface_blade_velocity em_surface_roots_blade"
+        "em_surface_blade_velocity"
       of["spin"] = "spin_up em_contact_spin_factor"
-      of["periodic"] = "em_body_shift wrap"
-      of["remedies"] = "since em_body_exact_pair em_body_special_drum em_body_facet em_surface_roots_plane"
+      of["periodic"] = "em_body_shift em_body_wrap"
+      of["remedies"] = "since em_body_exact_pair em_body_special_drum em_body_facet em_surface_roots_plane " \
+        "em_surface_roots_blade"
       for (effect in of) {
         n = split(of[effect], name, " ")
         for (k = 1; k <= n; k++) belongs[name[k]] = effect
