@@ -179,65 +179,75 @@ static double gone(const struct search *s, const struct place *p) {
   return (speed + sqrt(speed * speed + 2.0 * s->fall * way)) / s->fall;
 }
 
-static double walk(const struct search *s, bool touched, double horizon, unsigned *steps) {
-  const double near = 1e-3 * (s->radius + s->a), deep = -1e-9 * (s->radius + s->a);
+/* On the way along a path. */
+struct walk {
+  double t;     /* s */
+  double since; /* s: from when on its steps near the blade add up to half a turn at most */
+  bool inside;  /* within the endless bar of a blade without tip, beyond its end */
+  bool meets;   /* the step that was chosen is the last one, to the contact */
+};
+
+/* The step from a place that the blade can reach: to where the ball can touch it at the earliest.
+ * `f`: the gap there. */
+static double next_step(const struct search *s, struct walk *walk, const struct place *p,
+                        const struct turned *q, struct gap f, double bend) {
+  const bool ends = s->tip != EM_TIP_NONE;
+  if (!ends && f.value < -1e-9 * (s->radius + s->a)) walk->inside = true;
+  if (f.value > s->tolerance) walk->inside = false; /* it left beyond the reach */
+  if (walk->inside && (f.value < -s->tolerance || f.rate <= 0.0)) return inside_step(s, p, q, bend);
+  walk->inside = false;
+  if (!(f.value <= s->tolerance && f.rate < 0.0)) return safe_step(f.value, f.rate, bend);
+  walk->meets = ends || q->x <= s->reach;
+  if (walk->meets) return last_step(s, p, f, bend);
+  walk->inside = true;
+  return inside_step(s, p, q, bend);
+}
+
+/* Not longer than A is a bound, and as long as `least`, which rounding hides, or as what is out of
+ * reach allows. A ball that has not moved by more than rounding for half a turn waits. */
+static double bounded(const struct search *s, struct walk *walk, const struct place *p,
+                      struct gap outer, double step, double least) {
   const double cap = s->omega != 0.0 ? 1.0 / fabs(s->omega) : INFINITY;
-  const double half = M_PI * cap;
-  double t = 0.0, mark = 0.0;
-  bool inside = false;
-  struct place p = place_at(s, t);
+  if (step < least) step = least;
+  if (step > cap) step = cap;
+  if (outer.value > 0.0) step = em_greater(step, safe_step(outer.value, outer.rate, s->fall));
+  if (walk->t + step - walk->since > M_PI * cap) {
+    step = em_greater(step, idle_step(s, p));
+    walk->since = walk->t;
+  }
+  return step;
+}
+
+/* The time of the first contact: from place to place by steps that jump over none. */
+static double first_contact(const struct search *s, bool touched, double horizon, unsigned *steps) {
+  const double near = 1e-3 * (s->radius + s->a);
+  const double cap = s->omega != 0.0 ? 1.0 / fabs(s->omega) : INFINITY;
+  struct walk walk = {.t = 0.0};
+  struct place p = place_at(s, 0.0);
   const double limit = em_lesser(horizon < INFINITY ? horizon : gone(s, &p), DBL_MAX);
   /* Rounding of the angle comes on top of that of the place. */
-  const double turned = fabs(s->angle) + fabs(s->omega) * limit;
-  const double doubt = s->tolerance + 4.0 * DBL_EPSILON * turned * s->bound;
-  while (t <= limit) {
+  const double angle = fabs(s->angle) + fabs(s->omega) * limit;
+  const double doubt = s->tolerance + 4.0 * DBL_EPSILON * angle * s->bound;
+  for (; walk.t <= limit; p = place_at(s, walk.t)) {
+    const bool begins = touched && walk.t == 0.0;
     const struct gap outer = swept(s, &p);
-    const double rest = limit - t;
+    const double rest = limit - walk.t;
     if (is_clear(outer, s->fall, rest, doubt)) break;
-    if (outer.value > near && !(touched && t == 0.0)) {
-      t += safe_step(outer.value, outer.rate, s->fall);
-      mark = t;
-      if (t > limit) break;
-      p = place_at(s, t);
+    if (outer.value > near && !begins) {
+      walk.since = walk.t += safe_step(outer.value, outer.rate, s->fall);
       continue;
     }
     ++*steps;
-    const struct turned q = turn(s, &p, t);
+    const struct turned q = turn(s, &p, walk.t);
     struct gap f = distance(s, &q);
-    if (touched && t == 0.0) f.value = 0.0;
+    if (begins) f.value = 0.0;
     const double bend = acceleration(s, &p);
     if (rest < cap && is_clear(f, bend, rest, doubt)) break;
-    if (s->tip == EM_TIP_NONE && f.value < deep) inside = true;
-    if (f.value > s->tolerance) inside = false; /* it left beyond the reach */
-    double step;
-    if (inside && (f.value < -s->tolerance || f.rate <= 0.0)) {
-      step = inside_step(s, &p, &q, bend);
-    } else if (f.value <= s->tolerance && f.rate < 0.0) {
-      if (s->tip != EM_TIP_NONE || q.x <= s->reach) {
-        t += last_step(s, &p, f, bend);
-        return t <= horizon ? t : INFINITY;
-      }
-      inside = true;
-      step = inside_step(s, &p, &q, bend);
-    } else {
-      inside = false;
-      step = safe_step(f.value, f.rate, bend);
-    }
-    /* Never slower than what rounding hides. */
-    if (f.rate >= 0.0 || inside) {
-      const double least = sqrt(2.0 * s->tolerance / bend);
-      if (step < least) step = least;
-    }
-    if (step > cap) step = cap;
-    if (outer.value > 0.0) step = em_greater(step, safe_step(outer.value, outer.rate, s->fall));
-    if (t + step - mark > half) {
-      step = em_greater(step, idle_step(s, &p));
-      mark = t;
-    }
-    const double next = t + step;
-    t = next > t ? next : nextafter(t, INFINITY);
-    if (t > limit) break;
-    p = place_at(s, t);
+    const double step = next_step(s, &walk, &p, &q, f, bend);
+    if (walk.meets) return walk.t + step <= horizon ? walk.t + step : INFINITY;
+    const double least = f.rate >= 0.0 || walk.inside ? sqrt(2.0 * s->tolerance / bend) : 0.0;
+    const double next = walk.t + bounded(s, &walk, &p, outer, step, least);
+    walk.t = next > walk.t ? next : nextafter(walk.t, INFINITY);
   }
   return INFINITY;
 }
@@ -293,7 +303,7 @@ double em_surface_blade_within(const struct em_blade *blade, struct em_vec r, st
   s.tolerance = em_greater(s.tolerance, tolerance);
   set_motion(&s, blade, v, g);
   unsigned count = 0;
-  const double t = walk(&s, touched, horizon, &count);
+  const double t = first_contact(&s, touched, horizon, &count);
   if (steps != NULL) *steps += count;
   return t;
 }
