@@ -3,6 +3,7 @@
 #ifndef EVENTMILL_PRECISION_H
 #define EVENTMILL_PRECISION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -26,7 +27,17 @@ struct em_precision_target {
   double wanted; /* relative */
 };
 
-enum { EM_PRECISION_TARGETS = 8, EM_PRECISION_LEAST = 16, EM_PRECISION_BLOCKS = 512 };
+/* A target, found: its figure at a level of 95 %, and whether it is known as well as was wanted. */
+struct em_precision_found {
+  struct em_interval figure;
+  bool reached;
+};
+
+/* Of targets; of independent values, from which on an interval is trusted; of blocks. */
+enum { EM_PRECISION_TARGETS = 8, EM_PRECISION_LEAST = 32, EM_PRECISION_BLOCKS = 512 };
+
+/* The bins of counts of v_n: those of em_tally.vn. */
+enum { EM_PRECISION_PER_OCTAVE = 64, EM_PRECISION_LOWEST = -30, EM_PRECISION_OCTAVES = 40 };
 
 struct em_precision;
 
@@ -43,7 +54,8 @@ enum em_status em_precision_add(struct em_precision *p, double time, double spee
 size_t em_precision_blocks(const struct em_precision *p);
 double em_precision_time(const struct em_precision *p, size_t blocks); /* s, of the first ones */
 
-/* A figure over the first `blocks` blocks at a confidence level; half NAN when they are too few. */
+/* A figure over the first `blocks` blocks at a confidence level; half NAN when they are too few. A
+ * rate is known to one count in the whole time at best. */
 struct em_interval em_precision_figure(const struct em_precision *p, size_t blocks,
                                        enum em_precision_kind kind, double above, double level);
 
@@ -52,13 +64,22 @@ struct em_interval em_precision_figure(const struct em_precision *p, size_t bloc
 struct em_interval em_precision_shift(const struct em_precision *a, const struct em_precision *b,
                                       enum em_precision_kind kind, double above, double level);
 
+/* Whether now, after a block, is a time to judge: four times while the blocks double. A run that
+ * ends as soon as an interval is narrow prefers intervals that are so by chance; few looks, and
+ * EM_PRECISION_LEAST independent values, leave them nearly as good as they say. */
+bool em_precision_is_due(const struct em_precision *p);
+
+/* Finds each target over all blocks (found: count). Returns whether all are reached: the value is
+ * not 0, and its half width at most what was wanted. */
+bool em_precision_judge(const struct em_precision *p, const struct em_precision_target *target,
+                        size_t count, struct em_precision_found *found);
+
 /* Reads targets, separated by commas; at most EM_PRECISION_TARGETS. Errors: EM_INPUT. */
 enum em_status em_precision_read(struct em_precision_target *target, size_t *count,
                                  const char *text, struct em_error *err);
 
 /* "rate(vn>2.5)" into text. */
 void em_precision_name(const struct em_precision_target *target, char *text, size_t size);
-const char *em_precision_key(enum em_precision_kind kind);
 const char *em_precision_words(enum em_precision_kind kind);
 const char *em_precision_unit(enum em_precision_kind kind);
 

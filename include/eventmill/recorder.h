@@ -28,11 +28,12 @@ struct em_recorder_options {
   void (*progress)(void *self, const struct em_recorder_progress *progress); /* may be NULL */
   void *self;
   /* Ends before the duration is over when all of these are reached, at the end of a block of the
-   * histogram; judged at a level of 95 %, over the steady part. Its intervals go to `reached`. */
+   * histogram (em_precision_is_due), over the steady part. What was known at the end goes to
+   * `found`. Rates of record.histograms above 0 are needed, and for the median speed and the power
+   * no lower ones of record.observables. */
   size_t target_count;
   const struct em_precision_target *target;
-  struct em_interval *reached; /* target_count */
-  bool *enough;                /* that they were reached; may be NULL */
+  struct em_precision_found *found; /* target_count */
 };
 
 /* The key figures. Those of the steady part are taken from t ≥ 0.2 s, or from half the duration
@@ -58,16 +59,16 @@ struct em_summary {
                           of potential energy. NAN when gravity acts across a periodic
                           boundary */
   uint64_t tc, elastic, jam; /* contacts on which a remedy acted */
-  char warning[300];         /* that a mill turns too slowly to hold its balls up, or that balls
-                                collapsed; or empty. A run that is done has it as its message */
+  char warning[300];         /* that many balls of a driven scene rest; or empty. A run that is done
+                                has it as its message */
 };
 
 /* Runs the scene. The file is valid at every moment; errors that come after its creation leave it
  * so, and it can be resumed. An existing file is touched only with `resume` or `force`, and in the
  * latter case not before its replacement is complete. summary (may be NULL) is filled as far as the
- * run came. Errors: EM_INPUT (scene does not fit the file to be resumed; the file exists), EM_FILE
- * (cannot be written; disk full), EM_FORMAT (damaged file), EM_STOPPED, and those of em_start_make
- * and em_world_run. `*created` (may be NULL) tells whether the run file exists. */
+ * run came. Errors: EM_INPUT (scene does not fit the file to be resumed, or the targets; the file
+ * exists), EM_FILE (cannot be written; disk full), EM_FORMAT (damaged file), EM_STOPPED, and those
+ * of em_start_make and em_world_run. `*created` (may be NULL) tells whether the run file exists. */
 enum em_status em_recorder_run(const struct em_scene *scene,
                                const struct em_recorder_options *options,
                                struct em_summary *summary, bool *created, struct em_error *err);

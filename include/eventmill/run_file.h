@@ -30,7 +30,7 @@ enum em_end { EM_END_LIST(EM_END_ENUM) EM_END_COUNT };
 /* Where the run stands. */
 struct em_run_state {
   enum em_end end;
-  char message[1024];     /* the error's text for COLLAPSE, JAM, FAILED */
+  char message[1024];     /* what went wrong; of DONE: a warning, or empty */
   double time;            /* s, simulated */
   uint64_t collisions;    /* since the start */
   double energy_start;    /* J: kinetic, spin and potential energy at time 0 */

@@ -39,6 +39,10 @@ struct recorder {
 };
 
 enum { COUNTS = EM_CLASS_COUNT * EM_TALLY_BINS };
+_Static_assert((int)EM_PRECISION_PER_OCTAVE == (int)EM_TALLY_PER_OCTAVE &&
+                   (int)EM_PRECISION_LOWEST == (int)EM_TALLY_LOWEST &&
+                   (int)EM_PRECISION_OCTAVES == (int)EM_TALLY_OCTAVES,
+               "a tally's bins are those of its precision");
 
 static double wall_clock(void) {
   struct timespec t;
@@ -87,43 +91,38 @@ static enum em_status frame(struct recorder *r, double time, struct em_error *er
   return em_writer_frame(r->writer, time, r->balls, err);
 }
 
-/* Median speed and power of a block: from the observables in it. */
+/* Median speed and power of a block: the mean over the samples in it, and the work from the last
+ * one before it to its own last one. With check_targets there is a sample in each. */
 static void block_figures(const struct em_summary_part *part, double start, double end,
                           double *speed, double *power) {
-  const double slack = 1e-9 * (end - start);
-  size_t first = part->samples, last = part->samples, n = 0;
+  size_t after = part->samples;
+  while (after > 0 && part->time[after - 1] > end)
+    after--;
+  size_t first = after;
   double sum = 0.0;
-  for (size_t k = part->samples; k-- > 0 && part->time[k] >= start - slack;) {
-    if (part->time[k] > end + slack) continue;
-    if (last == part->samples) last = k;
-    first = k;
-    sum += part->median[k];
-    n++;
-  }
-  *speed = n > 0 ? sum / (double)n : NAN;
-  *power =
-      n > 1 ? (part->work[last] - part->work[first]) / (part->time[last] - part->time[first]) : NAN;
+  while (first > 0 && part->time[first - 1] > start)
+    sum += part->median[--first];
+  *speed = first < after ? sum / (double)(after - first) : NAN;
+  *power = NAN;
+  if (0 < first && first < after)
+    *power = (part->work[after - 1] - part->work[first - 1]) /
+             (part->time[after - 1] - part->time[first - 1]);
 }
 
 /* Takes a block to the figures whose precision counts. */
 static enum em_status add_precision(struct recorder *r, double start, double end,
                                     struct em_error *err) {
-  const struct em_recorder_options *o = r->options;
   if (!r->precision || start < r->part.steady * (1.0 - 1e-12)) return EM_OK;
   double speed, power;
   block_figures(&r->part, start, end, &speed, &power);
   if (em_precision_add(r->precision, end - start, speed, power, r->block, EM_CLASS_COUNT))
     return no_memory(err);
-  const size_t blocks = em_precision_blocks(r->precision);
-  bool enough = blocks >= EM_PRECISION_LEAST;
-  for (size_t k = 0; k < o->target_count; k++) {
-    const struct em_precision_target *t = &o->target[k];
-    o->reached[k] = em_precision_figure(r->precision, blocks, t->kind, t->above, 0.95);
-    enough = enough && o->reached[k].half <= t->wanted * fabs(o->reached[k].value);
-  }
-  r->enough = enough;
-  if (o->enough) *o->enough = enough;
   return EM_OK;
+}
+
+static bool is_enough(const struct recorder *r) {
+  const struct em_recorder_options *o = r->options;
+  return r->precision && em_precision_judge(r->precision, o->target, o->target_count, o->found);
 }
 
 /* The counts since the block began, into r->block. An open block goes to the file alone. */
@@ -139,6 +138,7 @@ static enum em_status block(struct recorder *r, double time, bool open, struct e
     r->blocks++;
     const enum em_status status = add_precision(r, start, time, err);
     if (status) return status;
+    if (r->precision && em_precision_is_due(r->precision)) r->enough = is_enough(r);
   }
   return r->writer ? em_writer_block(r->writer, start, time, open, r->block, err) : EM_OK;
 }
@@ -446,6 +446,7 @@ static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
   if (!status) status = reload_samples(r, file, err);
   if (!status) status = reload_blocks(r, file, err);
   if (status) return status;
+  if (r->state.end == EM_END_DONE) r->enough = is_enough(r);
   r->frames = em_writer_frames(r->writer);
   r->samples = em_writer_samples(r->writer);
   r->reached = r->state.time;
@@ -477,6 +478,29 @@ static void summarize(struct recorder *r, struct em_summary *summary) {
   summary->realtime_factor = wall > 0.0 ? (summary->simulated_time - r->session.from) / wall : NAN;
 }
 
+/* Is there anything to judge by at the end of each block? */
+static enum em_status check_targets(const struct em_scene *scene,
+                                    const struct em_recorder_options *options,
+                                    struct em_error *err) {
+  const double blocks = scene->record.histograms, samples = scene->record.observables;
+  for (size_t k = 0; k < options->target_count; k++) {
+    const enum em_precision_kind kind = options->target[k].kind;
+    char name[64];
+    em_precision_name(&options->target[k], name, sizeof name);
+    if (!(blocks > 0.0))
+      return em_error_set(err, EM_INPUT, scene->file, 0,
+                          "record.histograms: 0; the precision of %s is judged from block to "
+                          "block of it, expected a number above 0",
+                          name);
+    if ((kind == EM_PRECISION_SPEED || kind == EM_PRECISION_POWER) && !(samples >= blocks))
+      return em_error_set(err, EM_INPUT, scene->file, 0,
+                          "record.observables: %g; the precision of %s needs a sample in "
+                          "each block of record.histograms, expected at least %g",
+                          samples, name, blocks);
+  }
+  return EM_OK;
+}
+
 static enum em_status start(struct recorder *r, struct em_error *err) {
   const struct em_recorder_options *o = r->options;
   struct stat info;
@@ -484,7 +508,8 @@ static enum em_status start(struct recorder *r, struct em_error *err) {
   if (exists && !o->resume && !o->force)
     return em_error_set(err, EM_INPUT, o->path, 0,
                         "exists already: resume it, or force its replacement");
-  const enum em_status status = make_room(r, err);
+  enum em_status status = check_targets(r->scene, o, err);
+  if (!status) status = make_room(r, err);
   if (status) return status;
   return exists && o->resume ? start_again(r, err) : start_new(r, err);
 }
@@ -507,6 +532,7 @@ enum em_status em_recorder_run(const struct em_scene *scene,
     } else {
       r.state.end = EM_END_DONE;
     }
+    is_enough(&r);
     if (summary) summarize(&r, summary);
   }
   if (created) *created = r.resumed || (r.writer && em_writer_is_published(r.writer));

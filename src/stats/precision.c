@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bins of em_tally.vn. */
-enum { PER_OCTAVE = 64, LOWEST = -30, OCTAVES = 40, BINS = PER_OCTAVE * OCTAVES };
+enum { BINS = EM_PRECISION_PER_OCTAVE * EM_PRECISION_OCTAVES };
 
 struct em_precision {
   size_t count, each; /* blocks; how many of those that came are joined in one */
@@ -24,10 +23,6 @@ struct em_precision {
 static const char *const keys[] = {EM_PRECISION_LIST(KEY)};
 static const char *const all_words[] = {EM_PRECISION_LIST(WORDS)};
 static const char *const units[] = {EM_PRECISION_LIST(UNIT)};
-
-const char *em_precision_key(enum em_precision_kind kind) {
-  return keys[kind];
-}
 
 const char *em_precision_words(enum em_precision_kind kind) {
   return all_words[kind];
@@ -73,7 +68,8 @@ static void join_neighbours(struct em_precision *p) {
 
 enum em_status em_precision_add(struct em_precision *p, double time, double speed, double power,
                                 const uint64_t *vn, size_t classes) {
-  struct em_histogram *h = em_histogram_new_octaves(PER_OCTAVE, LOWEST, OCTAVES, false);
+  struct em_histogram *h = em_histogram_new_octaves(EM_PRECISION_PER_OCTAVE, EM_PRECISION_LOWEST,
+                                                    EM_PRECISION_OCTAVES, false);
   if (!h) return EM_MEMORY;
   for (size_t c = 0; c < classes; c++)
     for (size_t k = 0; k < BINS; k++)
@@ -132,7 +128,10 @@ struct em_interval em_precision_figure(const struct em_precision *p, size_t bloc
     double rate[EM_PRECISION_BLOCKS];
     for (size_t k = 0; k < blocks; k++)
       rate[k] = above(p->vn[k], limit) / p->time[k];
-    return em_interval_series(rate, blocks, level);
+    out = em_interval_series(rate, blocks, level);
+    const double one_count = 1.0 / em_precision_time(p, blocks);
+    if (out.half < one_count) out.half = one_count; /* NAN stays */
+    return out;
   }
   if (em_interval_figure(&out, blocks, p->vn, p->time, median, NULL, level))
     out = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
@@ -173,7 +172,40 @@ struct em_interval em_precision_shift(const struct em_precision *a, const struct
   return (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
 }
 
+/* ---------------------------------------------------------------- when it is enough */
+
+/* The last block may still wait for what is to be joined with it. */
+static size_t complete(const struct em_precision *p) {
+  return p->open < p->each ? p->count - (p->count > 0) : p->count;
+}
+
+/* After 4, 5, 6 and 7 times a power of two blocks, at which no joined one is open. */
+bool em_precision_is_due(const struct em_precision *p) {
+  size_t came = p->count > 0 ? (p->count - 1) * p->each + p->open : 0;
+  if (came < EM_PRECISION_LEAST) return false;
+  for (; came >= 8; came /= 2)
+    if (came % 2) return false;
+  return true;
+}
+
+bool em_precision_judge(const struct em_precision *p, const struct em_precision_target *target,
+                        size_t count, struct em_precision_found *found) {
+  const size_t blocks = complete(p);
+  bool all = true;
+  for (size_t k = 0; k < count; k++) {
+    const struct em_precision_target *t = &target[k];
+    const struct em_interval f = em_precision_figure(p, blocks, t->kind, t->above, 0.95);
+    const bool trusted = (double)blocks >= EM_PRECISION_LEAST * f.inefficiency;
+    const bool narrow = f.value != 0.0 && f.half <= t->wanted * fabs(f.value);
+    found[k] = (struct em_precision_found){f, trusted && narrow};
+    all = all && found[k].reached;
+  }
+  return all;
+}
+
 /* ---------------------------------------------------------------- what is asked for */
+
+static const char BLANKS[] = " \t";
 
 static enum em_status refuse(const char *text, struct em_error *err) {
   return em_error_set(
@@ -183,25 +215,46 @@ static enum em_status refuse(const char *text, struct em_error *err) {
       text);
 }
 
-static enum em_status read_one(struct em_precision_target *target, const char *text,
-                               struct em_error *err) {
-  char name[64], end[4] = "", more;
-  double value;
-  *target = (struct em_precision_target){.above = 3.0};
-  const int found = sscanf(text, " %63[^=]=%lf %3s", name, &value, end);
-  if (found < 2 || (found == 3 && strcmp(end, "%") != 0)) return refuse(text, err);
-  target->wanted = found == 3 ? 0.01 * value : value;
-  if (!(target->wanted > 0.0 && target->wanted < 1.0)) return refuse(text, err);
+/* "rate(vn>3)" and the like; blanks may stand between its parts. */
+static bool read_figure(struct em_precision_target *target, const char *name) {
+  int length = 0;
   for (int k = 0; k < EM_PRECISION_COUNT; k++)
     if (strcmp(name, keys[k]) == 0) {
       target->kind = (enum em_precision_kind)k;
-      return EM_OK;
+      return true;
     }
   target->kind = EM_PRECISION_RATE;
-  if (sscanf(name, "rate(vn>%lf%c", &target->above, &more) != 2 || more != ')' ||
-      !(target->above >= 0.0 && target->above < INFINITY))
-    return refuse(text, err);
-  return EM_OK;
+  return sscanf(name, "rate ( vn > %lf )%n", &target->above, &length) == 1 &&
+         name[length] == '\0' && target->above >= 0.0 && target->above < INFINITY;
+}
+
+/* "1 %" or "0.01". */
+static bool read_wanted(struct em_precision_target *target, const char *text) {
+  char *end;
+  target->wanted = strtod(text, &end);
+  if (end == text) return false;
+  end += strspn(end, BLANKS);
+  if (*end == '%') {
+    target->wanted *= 0.01;
+    end += 1 + strspn(end + 1, BLANKS);
+  }
+  return *end == '\0' && target->wanted > 0.0 && target->wanted < 1.0;
+}
+
+/* Cuts the text at its "=". */
+static enum em_status read_one(struct em_precision_target *target, char *text,
+                               struct em_error *err) {
+  *target = (struct em_precision_target){.above = 3.0};
+  char *name = text + strspn(text, BLANKS), *equal = strchr(name, '=');
+  if (!equal || !read_wanted(target, equal + 1)) return refuse(text, err);
+  char *end = equal;
+  while (end > name && strchr(BLANKS, end[-1]))
+    end--;
+  const char cut = *end;
+  *end = '\0';
+  const bool known = read_figure(target, name);
+  *end = cut;
+  return known ? EM_OK : refuse(text, err);
 }
 
 enum em_status em_precision_read(struct em_precision_target *target, size_t *count,

@@ -54,8 +54,16 @@ int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options
 /* Prints the error's text to stderr. */
 void em_mill_complain(const struct em_error *err);
 
+/* What --until-precision asks for, and what the run found. */
+struct em_mill_precision {
+  size_t count;
+  struct em_precision_target target[EM_PRECISION_TARGETS];
+  struct em_precision_found found[EM_PRECISION_TARGETS];
+};
+
 /* The summary of a run, for people and as one JSON object (NAN: null). */
 void em_mill_report_text(const struct em_summary *summary, const struct em_scene *scene);
-void em_mill_report_json(const struct em_summary *summary, const struct em_scene *scene);
+void em_mill_report_json(const struct em_summary *summary, const struct em_scene *scene,
+                         const struct em_mill_precision *precision);
 
 #endif

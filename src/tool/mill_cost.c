@@ -125,7 +125,7 @@ static double wall_clock(void) {
 }
 
 double em_mill_cost_width(const struct em_interval *figure) {
-  return figure->half / fabs(figure->value);
+  return figure->value != 0.0 ? figure->half / fabs(figure->value) : NAN;
 }
 
 void em_mill_cost_tell(const struct em_cost *cost, double done, const char *what) {

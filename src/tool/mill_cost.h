@@ -102,7 +102,7 @@ enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const 
 enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
                                  struct em_error *err);
 
-/* Half width of an interval, relative to its value. */
+/* Half width of an interval, relative to its value; NAN for a value of 0. */
 double em_mill_cost_width(const struct em_interval *figure);
 
 void em_mill_cost_tell(const struct em_cost *cost, double done, const char *what);

@@ -17,7 +17,24 @@ static void count(const char *key, uint64_t value) {
   printf(",\"%s\":%llu", key, (unsigned long long)value);
 }
 
-void em_mill_report_json(const struct em_summary *s, const struct em_scene *scene) {
+/* A list, when something was asked for. */
+static void found(const struct em_mill_precision *precision) {
+  if (precision->count == 0) return;
+  printf(",\"precision\":[");
+  for (size_t k = 0; k < precision->count; k++) {
+    char name[64];
+    em_precision_name(&precision->target[k], name, sizeof name);
+    printf("%s{\"figure\":\"%s\"", k ? "," : "", name);
+    number("value", precision->found[k].figure.value);
+    number("ci95", precision->found[k].figure.half);
+    number("wanted", precision->target[k].wanted);
+    printf(",\"reached\":%s}", precision->found[k].reached ? "true" : "false");
+  }
+  printf("]");
+}
+
+void em_mill_report_json(const struct em_summary *s, const struct em_scene *scene,
+                         const struct em_mill_precision *precision) {
   printf("{\"collisions\":%llu", (unsigned long long)s->collisions);
   number("collisions_per_second", s->collisions_per_second);
   number("simulated_time", s->simulated_time);
@@ -46,6 +63,7 @@ void em_mill_report_json(const struct em_summary *s, const struct em_scene *scen
   count("tc_contacts", s->tc);
   count("elastic_contacts", s->elastic);
   count("jam_contacts", s->jam);
+  found(precision);
   printf("}\n");
 }
 

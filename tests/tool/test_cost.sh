@@ -80,15 +80,36 @@ expect 0 "" "a box with balls from a table" "$mill" cost geometries/newtons-crad
 small=("$gas" balls.count=300 record.collisions=false duration=20 -o none -q)
 expect 0 "precision reached" "stops when it is reached" \
   "$mill" run "${small[@]}" --until-precision 'rate(vn>1)=5%,median(vn)=0.05'
+cp "$work/err" "$work/said"
 check "long before the duration is over" \
-  awk '/reached at/ { exit !($4 < 20) }' "$work/err"
+  awk '/reached at/ { early = $4 < 20 } END { exit !early }' "$work/said"
 expect 0 "precision not reached by 1 s" "the duration is the upper bound" \
   "$mill" run "${small[@]}" duration=1 --until-precision 'rate(vn>1)=0.01%'
 expect 2 "expected median(speed)" "unknown figure" "$mill" run "${small[@]}" --until-precision 'mean=1%'
+expect 0 "rate(vn>50)  *none seen" "what was never seen is not known" \
+  "$mill" run "${small[@]}" duration=2 --until-precision 'rate(vn>50)=1%,power=1%'
+cp "$work/err" "$work/said"
+check "and not reached" grep -q "not reached by 2 s" "$work/said"
+expect 2 "record.histograms: 0;" "no blocks" \
+  "$mill" run "${small[@]}" record.histograms=0 --until-precision 'rate(vn>1)=1%'
+for figure in 'median(speed)' power; do
+  expect 2 "record.observables: 200; .* expected at least 250" "blocks without samples: $figure" \
+    "$mill" run "${small[@]}" record.histograms=250 --until-precision "$figure=1%"
+done
+expect 0 "precision reached" "rates that do not fit each other, and JSON" "$mill" run "${small[@]}" \
+  record.histograms=150 --json --until-precision 'median(speed)=5%, rate(vn>1)=20%'
+check "says what was reached" python3 -c 'import json, sys
+p = json.load(open(sys.argv[1]))["precision"]
+assert [f["figure"] for f in p] == ["median(speed)", "rate(vn>1)"]
+assert all(f["reached"] and 0 < f["ci95"] <= f["wanted"] * f["value"] for f in p)
+assert [f["wanted"] for f in p] == [0.05, 0.2]' "$work/out"
 expect 2 "precision such as" "no precision" "$mill" run "${small[@]}" --until-precision 'power=-1'
 "$mill" run "${small[@]}" --until-precision 'rate(vn>1)=5%' -o "$work/a.h5" >/dev/null 2>&1
 expect 0 "precision reached" "a run goes on to a better precision" \
   "$mill" run "${small[@]}" --until-precision 'rate(vn>1)=3%' -o "$work/a.h5" --resume
+stopped=$(sed -n 's/precision reached at //p' "$work/err")
+"$mill" run "${small[@]}" --until-precision 'rate(vn>1)=3%' -o "$work/b.h5" >/dev/null 2>"$work/said"
+check "and ends where one run would have" grep -q "precision reached at $stopped" "$work/said"
 
 # ---------------------------------------------------------------- absent effects
 check "bytes of events" grep -q "of these bytes" <("$mill" check "$gas")

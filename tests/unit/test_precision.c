@@ -98,6 +98,62 @@ static void nothing_to_shift(void **state) {
   em_precision_free(b);
 }
 
+static struct em_precision_target target(enum em_precision_kind kind, double wanted) {
+  return (struct em_precision_target){.kind = kind, .above = 3.0, .wanted = wanted};
+}
+
+/* What was never seen is known to no precision, and a rate to one count at best. */
+static void judging(void **state) {
+  (void)state;
+  const struct em_precision_target t[] = {target(EM_PRECISION_RATE, 0.01),
+                                          target(EM_PRECISION_POWER, 0.01),
+                                          target(EM_PRECISION_SPEED, 0.01)};
+  struct em_precision_found found[3];
+  for (uint64_t fast = 0; fast < 6; fast += 3) { /* 96 counts are too few for 1 %, 192 are enough */
+    struct em_precision *p = em_precision_new();
+    for (size_t k = 1; k <= EM_PRECISION_LEAST; k++) {
+      assert_false(em_precision_judge(p, &t[2], 1, found));
+      add(p, 1.0, 2.0, 0.0, 10, fast);
+      assert_true(em_precision_is_due(p) == (k == EM_PRECISION_LEAST));
+    }
+    assert_false(em_precision_judge(p, t, 3, found));
+    assert_false(found[0].reached || found[1].reached);
+    assert_true(found[2].reached && found[2].figure.value == 2.0);
+    assert_true(fabs(found[0].figure.value - (double)fast) < 1e-12);
+    assert_true(found[0].figure.half == 1.0 / EM_PRECISION_LEAST);
+    for (size_t k = 0; k < EM_PRECISION_LEAST; k++)
+      add(p, 1.0, 2.0, 0.0, 10, fast);
+    assert_true(em_precision_judge(p, t, 1, found) == (fast > 0));
+    em_precision_free(p);
+  }
+}
+
+/* Whoever stops as soon as an interval of a correlated series is narrow has one that still holds
+ * the truth. */
+static void stopping(void **state) {
+  (void)state;
+  enum { TRIES = 300 };
+  static const double memory = 0.8, most = 4000;
+  const struct em_precision_target t = target(EM_PRECISION_SPEED, 0.049);
+  gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+  int covered = 0;
+  for (int k = 0; k < TRIES; k++) {
+    struct em_precision *p = em_precision_new();
+    struct em_precision_found found = {0};
+    double x = gsl_ran_gaussian(rng, 0.1);
+    for (int n = 0; n < most && !found.reached; n++) {
+      x = memory * x + gsl_ran_gaussian(rng, 0.1 * sqrt(1.0 - memory * memory));
+      assert_int_equal(em_precision_add(p, 1.0, 1.0 + x, 0.0, NULL, 0), EM_OK);
+      if (em_precision_is_due(p)) em_precision_judge(p, &t, 1, &found);
+    }
+    assert_true(found.reached);
+    covered += fabs(found.figure.value - 1.0) <= found.figure.half;
+    em_precision_free(p);
+  }
+  assert_true(covered > 0.9 * TRIES);
+  gsl_rng_free(rng);
+}
+
 static void reading(void **state) {
   (void)state;
   struct em_precision_target t[EM_PRECISION_TARGETS];
@@ -107,8 +163,14 @@ static void reading(void **state) {
   assert_int_equal(n, 2);
   assert_true(t[0].kind == EM_PRECISION_RATE && t[0].above == 2.5 && t[0].wanted == 0.01);
   assert_true(t[1].kind == EM_PRECISION_POWER && t[1].wanted == 0.02);
-  static const char *const bad[] = {"",        "power",         "power=0",      "power=2",
-                                    "mean=1%", "rate(vn>x)=1%", "rate(vn>3=1%", "power=1%%"};
+  assert_int_equal(em_precision_read(t, &n, " rate( vn > 3 ) = 1 % , median(speed) =5 %", &err),
+                   EM_OK);
+  assert_true(n == 2 && t[0].kind == EM_PRECISION_RATE && t[0].above == 3.0 && t[0].wanted == 0.01);
+  assert_true(t[1].kind == EM_PRECISION_SPEED && t[1].wanted == 0.05);
+  static const char *const bad[] = {
+      "",          "power",         "power=0",      "power=2",           "mean=1%",
+      "=1%",       "rate(vn>x)=1%", "rate(vn>3=1%", "rate(vn>3)zzz=1%",  "power=1%%",
+      "power=1%x", "power=1% x",    "power=nan",    "rate(vn>3)=1%,x=1", "power power=1%"};
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
     assert_int_equal(em_precision_read(t, &n, bad[k], &err), EM_INPUT);
 }
@@ -116,7 +178,8 @@ static void reading(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(figures),          cmocka_unit_test(joining), cmocka_unit_test(shifts),
-      cmocka_unit_test(nothing_to_shift), cmocka_unit_test(reading),
+      cmocka_unit_test(nothing_to_shift), cmocka_unit_test(judging), cmocka_unit_test(stopping),
+      cmocka_unit_test(reading),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
