@@ -132,6 +132,7 @@ int em_millpost_fail(const struct em_error *err) {
 
 int em_millpost_print(struct em_report *report, const struct em_millpost_options *o, int code) {
   struct em_error err = {.code = EM_OK};
+  em_report_level(report, o->level);
   if (em_report_print(report, (enum em_report_format)o->format, stdout, &err) != EM_OK)
     code = em_millpost_fail(&err);
   em_report_free(report);

@@ -44,10 +44,6 @@ static enum em_status no_memory(struct em_error *err) {
   return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a table");
 }
 
-static void interval_key(char *key, size_t size, int kind, double level) {
-  snprintf(key, size, "%s_ci%g", em_figures_key((enum em_figures_kind)kind), 100.0 * level);
-}
-
 /* Columns that follow those of the points. */
 static bool add_columns(struct em_grid *runs, double level) {
   bool good = em_grid_add(runs, "simulated_time", "s", false) &&
@@ -56,7 +52,7 @@ static bool add_columns(struct em_grid *runs, double level) {
   for (int k = 0; k < EM_FIGURES_COUNT && good; k++) {
     char key[96];
     const char *unit = em_figures_unit((enum em_figures_kind)k);
-    interval_key(key, sizeof key, k, level);
+    em_report_half_key(key, sizeof key, em_figures_key((enum em_figures_kind)k), level);
     good = em_grid_add(runs, em_figures_key((enum em_figures_kind)k), unit, false) &&
            em_grid_add(runs, key, unit, false);
   }

@@ -29,7 +29,16 @@ static char *formatted(const char *format, va_list args) {
 struct em_report *em_report_new(const char *command) {
   struct em_report *report = em_report_checked(calloc(1, sizeof *report));
   report->command = copy(command);
+  report->level = 0.95;
   return report;
+}
+
+void em_report_level(struct em_report *report, double level) {
+  report->level = level;
+}
+
+void em_report_half_key(char *text, size_t size, const char *key, double level) {
+  snprintf(text, size, "%s_ci%g", key, 100.0 * level);
 }
 
 static void free_part(struct em_report_part *part) {

@@ -19,6 +19,11 @@ struct em_report;
 struct em_report *em_report_new(const char *command);
 void em_report_free(struct em_report *report);
 
+/* The level of all intervals, which names their half widths; 0.95 when it is not set. */
+void em_report_level(struct em_report *report, double level);
+/* The key of the half width of `key`: "power_ci95". */
+void em_report_half_key(char *text, size_t size, const char *key, double level);
+
 /* A fact: key for JSON ("from_time"), label for people, unit "" for none. */
 void em_report_fact(struct em_report *report, const char *key, const char *label, double value,
                     const char *unit);

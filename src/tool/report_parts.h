@@ -43,6 +43,7 @@ struct em_report_fact {
 
 struct em_report {
   char *command;
+  double level; /* of all intervals */
   size_t facts, parts, notes;
   struct em_report_fact *fact;
   struct em_report_part *part;

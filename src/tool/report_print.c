@@ -172,16 +172,17 @@ static void csv_cell(const struct em_report_cell *cell, bool has_half, FILE *out
   if (cell->has_half) csv_number(cell->half, out);
 }
 
-static void print_part_csv(const struct em_report_part *part, FILE *out) {
+static void print_part_csv(const struct em_report_part *part, double level, FILE *out) {
   for (size_t k = 0; k < part->columns; k++) {
     const struct em_report_column *column = &part->column[k];
-    char text[256];
+    char key[128], text[256];
     const char *open = *column->unit ? " [" : "", *close = *column->unit ? "]" : "";
     snprintf(text, sizeof text, "%s%s%s%s", column->key, open, column->unit, close);
     if (k > 0) fputc(',', out);
     csv_text(text, out);
     if (!column->has_half) continue;
-    snprintf(text, sizeof text, "%s_ci95%s%s%s", column->key, open, column->unit, close);
+    em_report_half_key(key, sizeof key, column->key, level);
+    snprintf(text, sizeof text, "%s%s%s%s", key, open, column->unit, close);
     fputc(',', out);
     csv_text(text, out);
   }
@@ -209,7 +210,7 @@ static void print_csv(const struct em_report *report, FILE *out) {
   for (size_t k = 0; k < report->parts; k++) {
     if (k > 0) fputc('\n', out);
     if (report->parts > 1) fprintf(out, "# %s\n", report->part[k].key);
-    print_part_csv(&report->part[k], out);
+    print_part_csv(&report->part[k], report->level, out);
   }
   for (size_t k = 0; k < report->notes; k++)
     fprintf(out, "# %s\n", report->note[k]);
@@ -240,7 +241,8 @@ static void json_number(double value, FILE *out) {
     fputs("null", out);
 }
 
-static void json_entry(const char *key, const struct em_report_cell *cell, FILE *out) {
+static void json_entry(const char *key, const struct em_report_cell *cell, double level,
+                       FILE *out) {
   json_text(key, out);
   fputs(": ", out);
   switch (cell->kind) {
@@ -261,13 +263,13 @@ static void json_entry(const char *key, const struct em_report_cell *cell, FILE 
   if (!cell->has_half) return;
   fputs(", ", out);
   char text[256];
-  snprintf(text, sizeof text, "%s_ci95", key);
+  em_report_half_key(text, sizeof text, key, level);
   json_text(text, out);
   fputs(": ", out);
   json_number(cell->half, out);
 }
 
-static void print_part_json(const struct em_report_part *part, FILE *out) {
+static void print_part_json(const struct em_report_part *part, double level, FILE *out) {
   fputs(",\n  ", out);
   json_text(part->key, out);
   fputs(": [", out);
@@ -275,7 +277,7 @@ static void print_part_json(const struct em_report_part *part, FILE *out) {
     const size_t c = k % part->columns;
     if (c == 0) fputs(k > 0 ? ",\n    {" : "\n    {", out);
     if (c > 0) fputs(", ", out);
-    json_entry(part->column[c].key, &part->cell[k], out);
+    json_entry(part->column[c].key, &part->cell[k], level, out);
     if (c + 1 == part->columns) fputc('}', out);
   }
   fputs("\n  ]", out);
@@ -286,10 +288,10 @@ static void print_json(const struct em_report *report, FILE *out) {
   json_text(report->command, out);
   for (size_t k = 0; k < report->facts; k++) {
     fputs(",\n  ", out);
-    json_entry(report->fact[k].key, &report->fact[k].cell, out);
+    json_entry(report->fact[k].key, &report->fact[k].cell, report->level, out);
   }
   for (size_t k = 0; k < report->parts; k++)
-    print_part_json(&report->part[k], out);
+    print_part_json(&report->part[k], report->level, out);
   fputs(",\n  \"units\": {", out);
   const char *between = "";
   for (size_t k = 0; k < report->facts; k++) {

@@ -64,6 +64,17 @@ for often, hard in zip(result["how_often"], result["how_hard"]):
 ' hist "$one" --from 0.1 --above 1.5; }
 check "hist agrees with numpy" hist
 
+level() { # the half width's key tells its level, and it is narrower
+  local a
+  a=$(post hist "$one" --from 0.1 --json) && post hist "$one" --from 0.1 --level 0.9 --json |
+    /usr/bin/python3 -c 'import json, sys
+wide, narrow = json.loads(sys.argv[1])["how_hard"][0], json.load(sys.stdin)["how_hard"][0]
+assert narrow["median_ci90"] < wide["median_ci95"] and "median_ci95" not in narrow' "$a" &&
+    post compare "$one" "$fast" --level 0.9 --csv | grep -q "_ci90" &&
+    ! post compare "$one" "$fast" --level 0.9 --csv | grep -q "_ci95"
+}
+check "half widths are named by their level" level
+
 for of in vt relative speed vx energy lost impact; do
   check "hist --of $of" post hist "$one" --of $of --from 0.05 --csv
 done
