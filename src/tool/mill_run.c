@@ -100,12 +100,29 @@ static char *join(int argc, char **argv) {
   return text;
 }
 
-static void advise(const struct em_error *err, const char *path, bool resumable) {
+/* From the last frame one can go on, unless there is none or the scene says where each ball is. */
+static bool can_start_from(const struct em_scene *scene) {
+  for (size_t k = 0; k < scene->species_count; k++)
+    if (scene->species[k].start == EM_START_TABLE) return false;
+  return scene->record.frames > 0.0;
+}
+
+static void advise(const struct em_error *err, const struct em_scene *scene, const char *path,
+                   bool resumable) {
   em_mill_complain(err);
   if (path && err->code == EM_INPUT && strstr(err->text, "exists already"))
     fprintf(stderr, "use --resume or --force, or another name with -o\n");
-  else if (path && resumable)
+  if (!path || !resumable) return;
+  if (err->code != EM_COLLAPSE && err->code != EM_JAM) {
     fprintf(stderr, "%s is valid up to its last flush, and can be resumed with --resume\n", path);
+    return;
+  }
+  fprintf(stderr, "%s holds all up to there. To get beyond, begin anew with a remedy", path);
+  if (can_start_from(scene))
+    fprintf(stderr,
+            ", or go on from its last frame with one: balls.start=run balls.from=%s -o NEW.h5",
+            path);
+  fprintf(stderr, "\n");
 }
 
 static int exit_code(enum em_status status, bool created) {
@@ -179,7 +196,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
     fprintf(stderr, "interrupted at %.6g s; %s is valid and can be resumed with --resume\n",
             summary.simulated_time, path);
   else if (status)
-    advise(&err, path, created && begun);
+    advise(&err, scene, path, created && begun);
   if (begun && summary.warning[0]) fprintf(stderr, "warning: %s\n", summary.warning);
   if (begun && precision.count > 0) tell_found(&precision, summary.simulated_time);
   if (begun && options->json)

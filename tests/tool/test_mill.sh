@@ -70,7 +70,18 @@ check "--json of nothing has nulls" bash -c "
   '$mill' run $gas duration=1e-9 balls.count=2 -o none --json | /usr/bin/python3 '$work/strict.py' median_vn"
 expect 1 "collapse" "a collapse ends the run" "$mill" run geometries/bouncing-ball.cfg duration=7.0 \
   -o "$work/ball.h5" -q
+cp "$work/err" "$work/advice"
+check "of a table, only a new begin is advised" bash -c "
+  ! grep -q 'resume\|balls.start' '$work/advice' && grep -q 'begin anew with a remedy' '$work/advice'"
 check "and is told in the file" bash -c "h5dump -a /eventmill/end '$work/ball.h5' | grep -q collapse"
+
+gliding=(geometries/simoloyer-2l.cfg balls.count=100 -q)
+expect 1 "begin anew with a remedy" "few balls glide" "$mill" run "${gliding[@]}" duration=3 -o "$work/glide.h5"
+cp "$work/err" "$work/advice"
+check "resuming is not advised" bash -c "! grep -q resume '$work/advice'"
+read -ra advised <<<"$(sed -n 's/.*with one: \(.*\) -o NEW.h5/\1/p' "$work/advice")"
+expect 0 "" "what is advised works" "$mill" run "${gliding[@]}" duration=0.5 remedy.elastic_below=0.001 \
+  "${advised[@]:-none}" -o "$work/beyond.h5"
 
 # ---------------------------------------------------------------- signals
 long=(geometries/simoloyer-2l.cfg duration=0.06 balls.count=1000)
