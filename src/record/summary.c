@@ -8,7 +8,7 @@
 
 static const double STEADY_FROM = 0.2;  /* s */
 static const double HARD_FROM = 3.0;    /* m/s; an edge of a bin */
-static const double RESTING = 0.1;      /* share of the balls from which a mill is too slow */
+static const double RESTING = 0.1;      /* share of the balls from which it is said */
 static const double TIME_SLACK = 1e-12; /* relative, for k / rate against a time */
 
 bool em_summary_begin(struct em_summary_part *part, double duration) {
@@ -129,8 +129,8 @@ void em_summary_warn(const struct em_summary_part *part, const struct em_scene *
   if (share >= RESTING)
     snprintf(text, size,
              "%.0f %% of the balls rest: they are too slow to rise by their own diameter. The mill "
-             "turns too slowly to hold them up; where balls lie on one another, a contact that "
-             "lasts is counted as many short ones",
+             "turns too slowly to hold them up, or they lie where nothing stirs them; where balls "
+             "lie on one another, a contact that lasts is counted as many short ones",
              100.0 * share);
 }
 

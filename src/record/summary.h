@@ -27,7 +27,7 @@ void em_summary_block(struct em_summary_part *part, double start, double end,
                       const uint64_t *counts);
 
 /* What the user has to know: that many balls of a driven scene rest in its steady part, which
- * neither the rotor nor the turning drum holds up. Empty when there is nothing to say. */
+ * neither rotors nor a turning drum stir. Empty when there is nothing to say. */
 void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
                      size_t size);
 
