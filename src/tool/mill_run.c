@@ -131,28 +131,35 @@ static int exit_code(enum em_status status, bool created) {
   return refused && !created ? EM_MILL_USAGE : EM_MILL_FAILED;
 }
 
+/* A figure, and how well it is known. */
+static void tell_figure(const struct em_precision_target *target,
+                        const struct em_precision_found *found) {
+  const struct em_interval *got = &found->figure;
+  const double width = got->half / fabs(got->value);
+  char name[64];
+  em_precision_name(target, name, sizeof name);
+  fprintf(stderr, "  %-16s ", name);
+  if (got->value == 0.0)
+    fprintf(stderr, "none seen");
+  else if (!isfinite(width))
+    fprintf(stderr, "not known from so few blocks of record.histograms");
+  else
+    fprintf(stderr, "%.5g %s ± %.2g %%", got->value, em_precision_unit(target->kind),
+            100.0 * width);
+  if (width <= target->wanted && !found->reached)
+    fprintf(stderr, ", from fewer than %d independent values", EM_PRECISION_LEAST);
+  fprintf(stderr, " (asked for: %g %%)\n", 100.0 * target->wanted);
+}
+
 /* What was asked for, and what was reached. */
 static void tell_found(const struct em_mill_precision *precision, double time) {
-  FILE *out = stderr;
   bool all = true;
   for (size_t k = 0; k < precision->count; k++)
     all = all && precision->found[k].reached;
-  fprintf(out, all ? "precision reached at %.6g s\n" : "precision not reached by %.6g s\n", time);
-  for (size_t k = 0; k < precision->count; k++) {
-    const struct em_precision_target *target = &precision->target[k];
-    const struct em_interval *got = &precision->found[k].figure;
-    char name[64];
-    em_precision_name(target, name, sizeof name);
-    fprintf(out, "  %-16s ", name);
-    if (got->value == 0.0)
-      fprintf(out, "none seen");
-    else if (!isfinite(got->half))
-      fprintf(out, "not known from so few blocks of record.histograms");
-    else
-      fprintf(out, "%.5g %s ± %.2g %%", got->value, em_precision_unit(target->kind),
-              100.0 * got->half / fabs(got->value));
-    fprintf(out, " (asked for: %g %%)\n", 100.0 * target->wanted);
-  }
+  fprintf(stderr, all ? "precision reached at %.6g s\n" : "precision not reached by %.6g s\n",
+          time);
+  for (size_t k = 0; k < precision->count; k++)
+    tell_figure(&precision->target[k], &precision->found[k]);
 }
 
 /* What the command line asks for. Returns -1, or the exit code. */

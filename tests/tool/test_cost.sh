@@ -89,6 +89,8 @@ expect 2 "expected median(speed)" "unknown figure" "$mill" run "${small[@]}" --u
 expect 0 "rate(vn>50)  *none seen" "what was never seen is not known" \
   "$mill" run "${small[@]}" duration=2 --until-precision 'rate(vn>50)=1%,power=1%'
 cp "$work/err" "$work/said"
+expect 0 "from fewer than 32 independent values" "nor what a few blocks tell" \
+  "$mill" run "${small[@]}" duration=1 --until-precision 'rate(vn>1)=50%'
 check "and not reached" grep -q "not reached by 2 s" "$work/said"
 expect 2 "record.histograms: 0;" "no blocks" \
   "$mill" run "${small[@]}" record.histograms=0 --until-precision 'rate(vn>1)=1%'
