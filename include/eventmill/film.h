@@ -27,8 +27,9 @@ typedef bool em_film_progress(void *self, size_t done, size_t frames);
 
 /* Draws a film of a scene and writes an MP4 file (H.264, yuv420p, ready for streaming), complete or
  * not at all. Unless workers is 1, processes are forked, which OpenGL survives only if this process
- * has made no canvas before. Errors: EM_INPUT, EM_MEMORY, EM_FILE, EM_PICTURE (ffmpeg or a worker
- * failed; what it said is in err), EM_STOPPED, those of the source. */
+ * has made no canvas before. Errors: EM_INPUT (another ending than .mp4, options), EM_MEMORY,
+ * EM_FILE, EM_PICTURE (ffmpeg or a worker failed; what it said is in err), EM_STOPPED, those of the
+ * source. */
 enum em_status em_film_make(const char *path, const struct em_scene *scene,
                             const struct em_film_options *options, em_film_source *source,
                             void *source_self, em_film_progress *progress, void *progress_self,

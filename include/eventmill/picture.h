@@ -97,7 +97,8 @@ const char *em_picture_renderer(const struct em_picture *picture);
 
 void em_picture_free(struct em_picture *picture);
 
-/* Writes a PNG file, complete or not at all. Errors: EM_FILE, EM_MEMORY. */
+/* Writes a PNG file, complete or not at all. Errors: EM_INPUT (another ending than .png), EM_FILE,
+ * EM_MEMORY. */
 enum em_status em_picture_save(const char *path, const uint8_t *rgba, int width, int height,
                                struct em_error *err);
 

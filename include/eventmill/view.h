@@ -25,9 +25,9 @@ struct em_view_options {
 
 /* What was written. */
 struct em_view_report {
-  size_t frames, balls, bytes;
-  double first, last; /* s */
-  size_t wanted;      /* frames there would have been without the limit of size */
+  size_t frames, balls, bytes; /* bytes: 0 when a pipe was written to */
+  double first, last;          /* s */
+  size_t wanted;               /* frames there would have been without the limit of size */
 };
 
 /* Writes the file, complete or not at all. report may be NULL. Errors: EM_INPUT (no frames, an

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "draw/crew.h"
@@ -67,6 +68,8 @@ static enum em_status make_together(struct making *m, int workers, struct em_err
 
 static enum em_status check(const struct em_film_options *o, const char *path,
                             struct em_error *err) {
+  if (strcmp(em_output_ending(path), ".mp4") != 0)
+    return em_error_set(err, EM_INPUT, path, 0, "the name of a film must end in .mp4");
   if (o->frames == 0) return em_error_set(err, EM_INPUT, path, 0, "a film without frames");
   if (!(o->fps >= 0.1 && o->fps <= 1000.0))
     return em_error_set(err, EM_INPUT, path, 0, "%g frames per second; 0.1 to 1000 are possible",

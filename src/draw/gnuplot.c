@@ -2,26 +2,20 @@
  * gnuplot's standard output, so that no file name is ever part of a script that is run. */
 #include "draw/gnuplot.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "draw/child.h"
-
-static const char *ending_of(const char *path) {
-  const char *dot = strrchr(path, '.');
-  return dot != NULL && strchr(dot, '/') == NULL ? dot : "";
-}
+#include "record/output.h"
 
 static bool is_script(const char *path) {
-  return strcmp(ending_of(path), ".gp") == 0;
+  return strcmp(em_output_ending(path), ".gp") == 0;
 }
 
 static bool write_terminal(FILE *out, const char *path, int width, int height) {
-  const char *end = ending_of(path);
+  const char *end = em_output_ending(path);
   if (strcmp(end, ".svg") == 0)
     fprintf(out, "set terminal svg size %d,%d enhanced font 'DejaVu Sans,13' background 'white'\n",
             width, height);
@@ -90,43 +84,30 @@ void em_gnuplot_title(struct em_gnuplot *script, const char *title, const char *
 }
 
 /* Fills the open file by running gnuplot, or with the script itself. */
-static enum em_status fill(int fd, const struct em_gnuplot *script, const char *path,
-                           struct em_error *err) {
+static enum em_status fill(const struct em_output *output, const struct em_gnuplot *script,
+                           const char *path, struct em_error *err) {
   static const char *const command[] = {"gnuplot", "-", NULL};
   if (is_script(path)) {
-    if (write(fd, script->text, script->size) == (ssize_t)script->size) return EM_OK;
-    return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+    fwrite(script->text, 1, script->size, output->out);
+    return EM_OK;
   }
   struct em_child child;
-  enum em_status status = em_child_start(&child, command, fd, err);
+  enum em_status status = em_child_start(&child, command, fileno(output->out), err);
   if (status != EM_OK) return status;
   status = em_child_send(&child, script->text, script->size, err);
   if (status == EM_OK) status = em_child_finish(&child, err);
   if (status != EM_OK) em_child_abandon(&child);
-  if (status == EM_OK && lseek(fd, 0, SEEK_END) <= 0)
+  if (status == EM_OK && output->temporary && lseek(fileno(output->out), 0, SEEK_END) <= 0)
     status = em_error_set(err, EM_FILE, path, 0, "gnuplot wrote nothing");
   return status;
 }
 
 static enum em_status write_file(const struct em_gnuplot *script, const char *path,
                                  struct em_error *err) {
-  char *temporary = NULL;
-  if (asprintf(&temporary, "%s.part", path) < 0)
-    return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
-  const int fd = open(temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  enum em_status status = EM_OK;
-  if (fd < 0) {
-    status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-  } else {
-    status = fill(fd, script, path, err);
-    if (close(fd) != 0 && status == EM_OK)
-      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-    if (status == EM_OK && rename(temporary, path) != 0)
-      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-    if (status != EM_OK) unlink(temporary);
-  }
-  free(temporary);
-  return status;
+  struct em_output output;
+  const enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
+  if (status != EM_OK) return status;
+  return em_output_end(&output, fill(&output, script, path, err), err);
 }
 
 enum em_status em_gnuplot_end(struct em_gnuplot *script, const char *path, struct em_error *err) {

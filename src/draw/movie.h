@@ -7,10 +7,11 @@
 
 #include "draw/child.h"
 #include "eventmill/error.h"
+#include "record/output.h"
 
 struct em_movie {
   struct em_child child;
-  char *path, *temporary;
+  struct em_output output;
   size_t frame_size;
 };
 

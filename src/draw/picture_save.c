@@ -1,12 +1,10 @@
-/* Writes PNG files: to a temporary name first, so that a file is complete or not there. */
-#include <errno.h>
+/* Writes PNG files. */
 #include <png.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "eventmill/picture.h"
+#include "record/output.h"
 
 static uint8_t *without_alpha(const uint8_t *rgba, size_t pixels) {
   uint8_t *rgb = malloc(3 * pixels);
@@ -15,42 +13,23 @@ static uint8_t *without_alpha(const uint8_t *rgba, size_t pixels) {
   return rgb;
 }
 
-static enum em_status write_to(FILE *file, const char *path, const uint8_t *rgb, int width,
-                               int height, struct em_error *err) {
-  png_image image = {.version = PNG_IMAGE_VERSION,
-                     .width = (png_uint_32)width,
-                     .height = (png_uint_32)height,
-                     .format = PNG_FORMAT_RGB};
-  const int done = png_image_write_to_stdio(&image, file, 0, rgb, 0, NULL);
-  const int flushed = fflush(file) == 0 && fsync(fileno(file)) == 0;
-  if (done && flushed) return EM_OK;
-  return em_error_set(err, EM_FILE, path, 0, "the picture cannot be written: %s",
-                      done ? strerror(errno) : image.message);
-}
-
 enum em_status em_picture_save(const char *path, const uint8_t *rgba, int width, int height,
                                struct em_error *err) {
-  const size_t room = strlen(path) + 16;
-  char *temporary = malloc(room);
+  if (strcmp(em_output_ending(path), ".png") != 0)
+    return em_error_set(err, EM_INPUT, path, 0, "the name of a picture must end in .png");
   uint8_t *rgb = without_alpha(rgba, (size_t)width * (size_t)height);
-  enum em_status status = EM_MEMORY;
-  if (temporary == NULL || rgb == NULL) {
-    em_error_set(err, EM_MEMORY, path, 0, "no memory to write the picture");
-  } else {
-    snprintf(temporary, room, "%s.part", path);
-    FILE *file = fopen(temporary, "wb");
-    if (file == NULL) {
-      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-    } else {
-      status = write_to(file, path, rgb, width, height, err);
-      if (fclose(file) != 0 && status == EM_OK)
-        status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-      if (status == EM_OK && rename(temporary, path) != 0)
-        status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-      if (status != EM_OK) unlink(temporary);
-    }
+  if (rgb == NULL) return em_error_set(err, EM_MEMORY, path, 0, "no memory to write the picture");
+  struct em_output output;
+  enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
+  if (status == EM_OK) {
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = (png_uint_32)width,
+                       .height = (png_uint_32)height,
+                       .format = PNG_FORMAT_RGB};
+    if (!png_image_write_to_stdio(&image, output.out, 0, rgb, 0, NULL))
+      status = em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", image.message);
+    status = em_output_end(&output, status, err);
   }
   free(rgb);
-  free(temporary);
   return status;
 }

@@ -2,17 +2,15 @@
  * part of the library when it is built; here the run's own data are put in. */
 #include "eventmill/view.h"
 
-#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "draw/light.h"
 #include "draw/view_frames.h"
 #include "eventmill/colour.h"
 #include "eventmill/picture.h"
 #include "eventmill/plot.h"
+#include "record/output.h"
 #include "view_page.h"
 
 /* All that a page is made of. */
@@ -197,12 +195,15 @@ static void put_head(FILE *out, const struct page *page) {
 }
 
 static void put_species(FILE *out, const struct page *page) {
-  uint8_t *species = malloc(page->frames->balls + 1);
-  if (species == NULL) return; /* noticed by the caller: nothing else is that small */
-  for (size_t k = 0; k < page->frames->balls; k++)
-    species[k] = (uint8_t)page->balls->species[page->frames->chosen[k]];
-  put_base64(out, species, page->frames->balls);
-  free(species);
+  enum { ROOM = 3 * 1024 }; /* only the last piece of base64 may end within three bytes */
+  const struct em_view_frames *f = page->frames;
+  uint8_t species[ROOM];
+  for (size_t first = 0; first < f->balls; first += ROOM) {
+    const size_t count = f->balls - first < ROOM ? f->balls - first : ROOM;
+    for (size_t k = 0; k < count; k++)
+      species[k] = (uint8_t)page->balls->species[f->chosen[first + k]];
+    put_base64(out, species, count);
+  }
 }
 
 /* Copies the page; a place holder is a name between two @. */
@@ -233,22 +234,13 @@ static void put_page(FILE *out, const struct page *page) {
 
 static enum em_status write_file(const struct page *page, const char *path, size_t *bytes,
                                  struct em_error *err) {
-  char part[4096];
-  if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
-    return em_error_set(err, EM_INPUT, path, 0, "the name is too long");
-  FILE *out = fopen(part, "wb");
-  if (out == NULL)
-    return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-  put_page(out, page);
-  const long size = ftell(out);
-  const bool good = !ferror(out);
-  if (fclose(out) == 0 && good && size > 0 && rename(part, path) == 0) {
-    *bytes = (size_t)size;
-    return EM_OK;
-  }
-  const int reason = errno;
-  unlink(part);
-  return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(reason));
+  struct em_output output;
+  const enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
+  if (status != EM_OK) return status;
+  put_page(output.out, page);
+  const long size = ftell(output.out); /* -1: a pipe */
+  *bytes = size > 0 ? (size_t)size : 0;
+  return em_output_end(&output, EM_OK, err);
 }
 
 enum em_status em_view_write(const struct em_run_file *run, const struct em_view_options *options,

@@ -138,7 +138,8 @@ enum em_status em_view_frames_fill(struct em_view_frames *frames, const struct e
   if (!(from <= to))
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                         "nothing to show from %g to %g s: the run has frames from %g to %g s",
-                        options->from, options->to, first, last);
+                        isnan(options->from) ? first : options->from,
+                        isnan(options->to) ? last : options->to, first, last);
   const double step = isnan(options->step) && em_motion_is_exact(motion) ? 0.001 : options->step;
   frames->total = em_run_file_ball_count(run);
   enum em_status status = choose_balls(frames, options->balls, err);

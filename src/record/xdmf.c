@@ -1,14 +1,11 @@
 /* Writes the XDMF sidecar of a run file. */
 #include "eventmill/xdmf.h"
 
-#include <errno.h>
-#include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "record/layout.h"
+#include "record/output.h"
 #include "record/run_file_inside.h"
 
 struct sidecar {
@@ -112,39 +109,19 @@ static void put_all(const struct sidecar *s) {
   fprintf(s->out, "  </Grid>\n </Domain>\n</Xdmf>\n");
 }
 
-static enum em_status cannot(const char *path, struct em_error *err) {
-  return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-}
-
-/* Writes to a temporary name, and renames when all is there. */
-static enum em_status write_sidecar(struct sidecar *s, const char *path, const char *temporary,
-                                    struct em_error *err) {
-  s->out = fopen(temporary, "w");
-  if (!s->out) return cannot(path, err);
-  put_all(s);
-  const bool bad = ferror(s->out);
-  if ((fclose(s->out) != 0) | bad || rename(temporary, path) != 0) {
-    const enum em_status status = cannot(path, err);
-    (void)unlink(temporary);
-    return status;
-  }
-  return EM_OK;
-}
-
 enum em_status em_xdmf_write(const struct em_run_file *file, const char *path,
                              enum em_xdmf_form form, struct em_error *err) {
   if (file->frames == 0 || file->balls == 0)
     return em_error_set(err, EM_INPUT, file->path, 0, "has no frames to show");
-  char *temporary = NULL;
   struct sidecar s = {.file = file, .form = form, .data = data_name(file->path, path, form)};
-  enum em_status status = EM_OK;
-  if (!s.data || asprintf(&temporary, "%s.part", path) < 0) {
-    temporary = NULL;
-    status = em_error_set(err, EM_MEMORY, path, 0, "out of memory");
-  } else {
-    status = write_sidecar(&s, path, temporary, err);
+  if (!s.data) return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
+  struct em_output output;
+  enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
+  if (status == EM_OK) {
+    s.out = output.out;
+    put_all(&s);
+    status = em_output_end(&output, EM_OK, err);
   }
-  free(temporary);
   free(s.data);
   return status;
 }

@@ -17,21 +17,9 @@ struct em_export {
   double from, to;     /* s, of rows of the collision table */
 };
 
-/* A file that appears complete or not at all: it is written under another name first. */
-struct em_export_file {
-  FILE *out;
-  char path[EM_SCENE_PATH], temporary[EM_SCENE_PATH + 16];
-};
-
-/* Errors: EM_FILE. close: `status` is that of the writing; on failure nothing is left behind. */
-enum em_status em_export_file_open(struct em_export_file *file, const char *path,
-                                   struct em_error *err);
-enum em_status em_export_file_close(struct em_export_file *file, enum em_status status,
-                                    struct em_error *err);
-
-/* Puts "-0000" before the ending of a path; ending (with its dot; NULL: as it is) replaces it. */
-void em_export_file_number(char *text, size_t size, const char *path, size_t number,
-                           const char *ending);
+/* The name of the file of chosen frame k, with another ending unless that is NULL. */
+void em_export_file_name(char *text, size_t size, const struct em_export *job, size_t k,
+                         const char *ending);
 
 /* Writes a little-endian float. */
 void em_export_file_float(FILE *out, double x);

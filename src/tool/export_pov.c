@@ -4,6 +4,7 @@
 
 #include "eventmill/colour.h"
 #include "eventmill/sample.h"
+#include "record/output.h"
 #include "tool/export.h"
 
 static const char *const finish =
@@ -162,16 +163,16 @@ enum em_status em_export_pov_write(const struct em_export *job, struct em_error 
   double top = 0.0;
   enum em_status status = em_run_file_balls(job->run, &balls, err);
   for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
-    struct em_export_file file;
+    struct em_output file;
     char path[EM_SCENE_PATH];
-    em_export_file_number(path, sizeof path, job->out, k, NULL);
+    em_export_file_name(path, sizeof path, job, k, NULL);
     status = em_run_file_frame(job->run, job->frame[k], balls, err);
     if (status == EM_OK)
-      status = em_export_file_open(&file, job->frames > 1 ? path : job->out, err);
+      status = em_output_begin(&file, job->frames > 1 ? path : job->out, EM_OUTPUT_STREAM, err);
     if (status != EM_OK) break;
     if (k == 0) top = top_speed(scene, balls);
     write_scene(file.out, scene, balls, em_run_file_frame_time(job->run, job->frame[k]), top);
-    status = em_export_file_close(&file, EM_OK, err);
+    status = em_output_end(&file, EM_OK, err);
   }
   em_start_free(balls);
   return status;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "record/output.h"
 #include "tool/export.h"
 
 enum { AROUND = 96 };
@@ -110,8 +111,8 @@ static void everything(struct mesh *mesh, const struct em_scene *scene, double t
 enum em_status em_export_stl_write(const struct em_export *job, struct em_error *err) {
   const struct em_scene *scene = em_run_file_scene(job->run);
   const double time = job->frames > 0 ? em_run_file_frame_time(job->run, job->frame[0]) : 0.0;
-  struct em_export_file file;
-  const enum em_status status = em_export_file_open(&file, job->out, err);
+  struct em_output file;
+  const enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
   if (status != EM_OK) return status;
   struct mesh mesh = {NULL, 0};
   everything(&mesh, scene, time);
@@ -123,5 +124,5 @@ enum em_status em_export_stl_write(const struct em_export *job, struct em_error 
   fwrite(&count, sizeof count, 1, file.out);
   mesh = (struct mesh){file.out, 0};
   everything(&mesh, scene, time);
-  return em_export_file_close(&file, EM_OK, err);
+  return em_output_end(&file, EM_OK, err);
 }

@@ -1,4 +1,5 @@
 /* Frames and collisions as text: LAMMPS dump (OVITO) and CSV. */
+#include "record/output.h"
 #include "tool/export.h"
 
 static bool has_spin(const struct em_export *job) {
@@ -67,11 +68,11 @@ static enum em_status write_frames(FILE *out, const struct em_export *job, bool 
 
 static enum em_status export_frames(const struct em_export *job, bool lammps,
                                     struct em_error *err) {
-  struct em_export_file file;
-  enum em_status status = em_export_file_open(&file, job->out, err);
+  struct em_output file;
+  enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
   if (status != EM_OK) return status;
   status = write_frames(file.out, job, lammps, err);
-  return em_export_file_close(&file, status, err);
+  return em_output_end(&file, status, err);
 }
 
 enum em_status em_export_text_lammps(const struct em_export *job, struct em_error *err) {
@@ -111,9 +112,9 @@ enum em_status em_export_text_collisions(const struct em_export *job, struct em_
   if (!em_run_file_has_rows(job->run))
     return em_error_set(err, EM_INPUT, em_run_file_path(job->run), 0,
                         "there is no collision table: run with record.collisions=true");
-  struct em_export_file file;
-  enum em_status status = em_export_file_open(&file, job->out, err);
+  struct em_output file;
+  enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
   if (status != EM_OK) return status;
   status = write_rows(file.out, job, err);
-  return em_export_file_close(&file, status, err);
+  return em_output_end(&file, status, err);
 }

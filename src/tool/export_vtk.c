@@ -2,6 +2,7 @@
 #include <endian.h>
 #include <string.h>
 
+#include "record/output.h"
 #include "tool/export.h"
 
 /* The arrays of a file, in the order of the appended data. */
@@ -90,34 +91,34 @@ static void write_piece(FILE *out, const struct em_balls *balls, double time) {
 }
 
 static enum em_status write_collection(const struct em_export *job, struct em_error *err) {
-  struct em_export_file file;
+  struct em_output file;
   char path[EM_SCENE_PATH];
-  const enum em_status status = em_export_file_open(&file, job->out, err);
+  const enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
   if (status != EM_OK) return status;
   fprintf(file.out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
                     "byte_order=\"LittleEndian\">\n<Collection>\n");
   for (size_t k = 0; k < job->frames; k++) {
-    em_export_file_number(path, sizeof path, job->out, k, ".vtp");
+    em_export_file_name(path, sizeof path, job, k, ".vtp");
     const char *slash = strrchr(path, '/');
     fprintf(file.out, "<DataSet timestep=\"%.17g\" file=\"%s\"/>\n",
             em_run_file_frame_time(job->run, job->frame[k]), slash ? slash + 1 : path);
   }
   fprintf(file.out, "</Collection>\n</VTKFile>\n");
-  return em_export_file_close(&file, EM_OK, err);
+  return em_output_end(&file, EM_OK, err);
 }
 
 enum em_status em_export_vtk_write(const struct em_export *job, struct em_error *err) {
   struct em_balls *balls = NULL;
   enum em_status status = em_run_file_balls(job->run, &balls, err);
   for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
-    struct em_export_file file;
+    struct em_output file;
     char path[EM_SCENE_PATH];
-    em_export_file_number(path, sizeof path, job->out, k, ".vtp");
+    em_export_file_name(path, sizeof path, job, k, ".vtp");
     status = em_run_file_frame(job->run, job->frame[k], balls, err);
-    if (status == EM_OK) status = em_export_file_open(&file, path, err);
+    if (status == EM_OK) status = em_output_begin(&file, path, EM_OUTPUT_STREAM, err);
     if (status != EM_OK) break;
     write_piece(file.out, balls, em_run_file_frame_time(job->run, job->frame[k]));
-    status = em_export_file_close(&file, EM_OK, err);
+    status = em_output_end(&file, EM_OK, err);
   }
   em_start_free(balls);
   return status == EM_OK ? write_collection(job, err) : status;

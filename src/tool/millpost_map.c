@@ -7,6 +7,7 @@
 
 #include "eventmill/plot.h"
 #include "eventmill/sample.h"
+#include "record/output.h"
 #include "tool/field.h"
 #include "tool/millpost.h"
 #include "tool/window.h"
@@ -271,20 +272,14 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
   return status;
 }
 
-/* FILE.png becomes FILE-2.png. */
-static void numbered(char *text, size_t size, const char *path, size_t number) {
-  const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
-  if (!dot || (slash && dot < slash)) dot = path + strlen(path);
-  snprintf(text, size, "%.*s-%zu%s", (int)(dot - path), path, number, dot);
-}
-
 static enum em_status draw(const struct em_run_file *run, const struct em_field *field,
                            const struct em_field *minus, const struct em_millpost_options *o,
                            struct em_error *err) {
   enum em_status status = EM_OK;
   for (size_t s = 0; s < field->cells->slices && status == EM_OK; s++) {
-    char path[EM_SCENE_PATH];
-    numbered(path, sizeof path, o->out, s + 1);
+    char path[EM_SCENE_PATH], tag[32];
+    snprintf(tag, sizeof tag, "%zu", s + 1);
+    em_output_name(path, sizeof path, o->out, tag, NULL);
     status = draw_slice(run, field, minus, o, s, field->cells->slices > 1 ? path : o->out, err);
   }
   return status;

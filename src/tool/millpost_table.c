@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "eventmill/interval.h"
+#include "record/output.h"
 #include "tool/figures.h"
 #include "tool/grid.h"
 #include "tool/millpost.h"
@@ -266,11 +267,11 @@ static enum em_status pool_runs(struct tables *t, size_t axes, struct em_error *
 
 static enum em_status write_file(const struct tables *t, const struct em_millpost_options *o,
                                  struct em_error *err) {
-  char part[2048];
-  if (snprintf(part, sizeof part, "%s.part", o->out) >= (int)sizeof part)
-    return em_error_set(err, EM_INPUT, o->out, 0, "the name is too long");
+  struct em_output output;
+  enum em_status status = em_output_begin(&output, o->out, EM_OUTPUT_FILE, err);
+  if (status != EM_OK) return status;
   em_h5_quiet();
-  const hid_t file = H5Fcreate(part, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t file = H5Fcreate(output.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   bool good = file >= 0 && em_h5_put_text(file, "/", "creator", "millpost table") &&
               em_h5_put_text(file, "/", "creator_version", EM_VERSION " (" EM_VERSION_GIT ")") &&
               em_h5_put_text(file, "/", "points", o->run[0]) &&
@@ -280,9 +281,8 @@ static enum em_status write_file(const struct tables *t, const struct em_millpos
               em_grid_write(&t->points, file, "/points") &&
               em_grid_write(&t->provenance, file, "/provenance");
   if (file >= 0 && H5Fclose(file) < 0) good = false;
-  if (good && rename(part, o->out) == 0) return EM_OK;
-  unlink(part);
-  return em_error_set(err, EM_FILE, o->out, 0, "cannot be written");
+  if (!good) status = em_error_set(err, EM_FILE, o->out, 0, "cannot be written");
+  return em_output_end(&output, status, err);
 }
 
 static int print(const struct tables *t, const struct em_grid *grid, const char *name,

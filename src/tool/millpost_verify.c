@@ -8,6 +8,7 @@
 #include "eventmill/goodness.h"
 #include "eventmill/histogram.h"
 #include "eventmill/plot.h"
+#include "record/output.h"
 #include "tool/gas.h"
 #include "tool/millpost.h"
 
@@ -223,12 +224,6 @@ static int conclude(struct trial *trial, bool conserved) {
 
 /* ---------------------------------------------------------------- diagrams */
 
-static void path_of(char *text, size_t size, const char *path, const char *key) {
-  const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
-  if (!dot || (slash && dot < slash)) dot = path + strlen(path);
-  snprintf(text, size, "%.*s-%s%s", (int)(dot - path), path, key, dot);
-}
-
 static enum em_status draw_law(const struct em_run_file *run, const struct em_gas *gas,
                                enum em_gas_quantity q, const char *out, struct em_error *err) {
   enum { POINTS = 200 };
@@ -258,7 +253,7 @@ static enum em_status draw_law(const struct em_run_file *run, const struct em_ga
        .x = x,
        .y = f}};
   char path[EM_SCENE_PATH], title[160], subtitle[256], label[160];
-  path_of(path, sizeof path, out, em_gas_key(q));
+  em_output_name(path, sizeof path, out, em_gas_key(q), NULL);
   em_plot_subtitle(em_run_file_scene(run), subtitle, sizeof subtitle);
   snprintf(title, sizeof title, "Distribution: %s", em_gas_words(q));
   snprintf(label, sizeof label, "%s  [%s]", em_gas_words(q),

@@ -75,7 +75,9 @@ int em_millpost_view(int argc, char **argv) {
             "millpost: %zu of %zu frames are kept, for the file's size; --max-size, --max-balls or "
             "a\nshorter time keep more\n",
             report.frames, report.wanted);
-  fprintf(stderr, "%s: %zu frames of %zu balls, %.4g to %.4g s, %.1f MB\n", wish.out, report.frames,
-          report.balls, report.first, report.last, (double)report.bytes / 1e6);
+  fprintf(stderr, "%s: %zu frames of %zu balls, %.4g to %.4g s", wish.out, report.frames,
+          report.balls, report.first, report.last);
+  if (report.bytes > 0) fprintf(stderr, ", %.1f MB", (double)report.bytes / 1e6);
+  fputc('\n', stderr);
   return EM_MILLPOST_DONE;
 }

@@ -197,6 +197,12 @@ else
   skip "POV-Ray renders" "no povray"
 fi
 check "export of collisions" post export "$one" --to csv --of collisions -o "$work/rows.csv"
+piped() { # a pipe is written to, and stays
+  mkfifo "$work/pipe" && { timeout 30 cat "$work/pipe" >"$work/piped.csv" & } &&
+    post export "$one" --to csv --of collisions -o "$work/pipe" && wait &&
+    cmp "$work/piped.csv" "$work/rows.csv" && [ -p "$work/pipe" ]
+}
+check "the same through a pipe" piped
 rows() { [ "$(wc -l <"$work/rows.csv")" -eq $(($(post info "$one" --csv | sed -n 's/^# rows = //p') + 1)) ]; }
 check "with a line for each" rows
 dump() { [ "$(grep -c 'ITEM: TIMESTEP' "$work/export.lammps")" -eq 3 ] &&

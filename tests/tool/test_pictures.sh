@@ -17,6 +17,7 @@ small=(geometries/simoloyer-2l.cfg duration=0.01 balls.count=300 record.frames=1
 
 # ---------------------------------------------------------------- pictures
 for command in frame film; do
+  [ $command = frame ] && ending=.png || ending=.mp4
   expect 0 "" "$command --help" "$post" $command --help
   expect 2 "expected RUN" "$command without a run" "$post" $command
   expect 2 "unknown option '--fly'" "$command --fly" "$post" $command "$run" --fly
@@ -24,7 +25,7 @@ for command in frame film; do
   expect 2 "is not WIDTHxHEIGHT" "$command --size" "$post" $command "$run" --size 5
   expect 2 "expected axial" "$command --camera" "$post" $command "$run" --camera upside
   expect 2 "is not LOW:HIGH" "$command --scale" "$post" $command "$run" --scale 3:1
-  expect 2 "1 to 4" "$command --smooth" "$post" $command "$run" --smooth 9 -o "$work/d"
+  expect 2 "1 to 4" "$command --smooth" "$post" $command "$run" --smooth 9 -o "$work/d$ending"
   expect 2 "is not a number" "$command --turn" "$post" $command "$run" --turn nan
   expect 2 "unknown thing" "$command --hide" "$post" $command "$run" --hide drum,moon
   expect 2 "no ball 300" "$command --trail" "$post" $command "$run" --trail 300
@@ -32,8 +33,12 @@ for command in frame film; do
   expect 2 "no frames" "$command of a run without frames" "$post" $command "$still"
   expect 1 "" "$command of no file" "$post" $command "$work/none.h5"
   expect 1 "" "$command of a foreign file" "$post" $command README.md
-  expect 1 "cannot be written" "$command into nowhere" "$post" $command "$run" -o /nowhere/x.mp4
+  expect 1 "cannot be written" "$command into nowhere" "$post" $command "$run" -o /nowhere/x$ending
+  expect 2 "must end in $ending" "$command to another format" "$post" $command "$run" -o "$work/x.avi"
 done
+mkfifo "$work/pipe.mp4"
+expect 2 "expected a regular file" "a film into a pipe" "$post" film "$run" -o "$work/pipe.mp4"
+is "which stays" 0 "$([ -p "$work/pipe.mp4" ]; echo $?)"
 expect 2 "the run has frames from 0 to 0.01" "--at beyond the end" "$post" frame "$run" --at 0.5
 expect 0 "drawn by" "a picture" "$post" frame "$run" --at 0.0053 --size 400x300 -o "$work/a.png"
 is "its size" 400,300 "$(picture "$work/a.png")"

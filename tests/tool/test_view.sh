@@ -18,11 +18,16 @@ expect 2 "unknown option '--fly'" "view --fly" "$post" view "$run" --fly
 expect 2 "is not a number" "view --from" "$post" view "$run" --from soon
 expect 2 "is not above 0" "view --step" "$post" view "$run" --step 0
 expect 2 "no frames" "view of a run without frames" "$post" view "$still" -o "$page"
-expect 2 "nothing to show" "view of no time" "$post" view "$run" --from 3 -o "$page"
+expect 2 "nothing to show from 3 to 0.05 s" "view of no time" "$post" view "$run" --from 3 -o "$page"
+mkfifo "$work/pipe"
+timeout 30 cat "$work/pipe" >"$work/piped.html" &
+expect 0 "0.05 s$" "a page into a pipe" "$post" view "$run" -o "$work/pipe"
+wait
 expect 1 "" "view of a foreign file" "$post" view README.md
 expect 1 "cannot be written" "view into nowhere" "$post" view "$run" -o /nowhere/x.html
 is "and nothing is left" 1 "$([ -e "$page" ]; echo $?)"
 expect 0 "51 frames of 800 balls" "a page" "$post" view "$run" -o "$page"
+is "the same as through a pipe" 0 "$(cmp -s "$page" "$work/piped.html"; echo $?)"
 is "without any address" 0 "$(grep -c 'https\?://' "$page")"
 expect 0 "of 51 frames are kept" "a page of limited size" \
   "$post" view "$run" --max-size 0.2 -o "$work/thin.html"

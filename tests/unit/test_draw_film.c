@@ -149,6 +149,7 @@ static void bad_states_and_options_are_told(void **state) {
   reel.asked = 0;
   balls->position[7].y = 0.02;
   assert_int_equal(film("/nowhere/at/all.mp4", &reel, &o, scene, &err), EM_FILE);
+  assert_int_equal(film(draw_path("bad.avi"), &reel, &o, scene, &err), EM_INPUT);
   assert_int_not_equal(access(path, F_OK), 0);
   em_start_free(balls);
   em_scene_free(scene);

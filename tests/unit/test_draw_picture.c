@@ -172,6 +172,7 @@ static void bad_pictures_are_refused(void **state) {
   assert_int_equal(em_picture_draw(picture, &s, rgba, &err), EM_INPUT);
   em_picture_free(picture);
   assert_int_equal(em_picture_save("/nowhere/x.png", rgba, WIDTH, HEIGHT, &err), EM_FILE);
+  assert_int_equal(em_picture_save(draw_path("x.jpg"), rgba, WIDTH, HEIGHT, &err), EM_INPUT);
   em_start_free(balls);
   em_scene_free(scene);
 }
