@@ -198,9 +198,15 @@ size_t em_scene_blade_count(const struct em_scene *scene);
  * the fall through the chamber. Never 0. */
 double em_scene_typical_speed(const struct em_scene *scene);
 
-/* The chamber's volume (m³), and the extent (m) of its bounding box. */
+/* The chamber's volume (m³), and the extent (m) of its bounding box; of a drum with facets, those
+ * of the round drum that they touch from outside. */
 double em_scene_volume(const struct em_scene *scene);
 void em_scene_bounds(const struct em_scene *scene, struct em_vec *low, struct em_vec *high);
+
+/* How far a drum reaches from its axis (m): to its wall, or to the corners between its facets; and
+ * the box that holds all of a chamber, these corners as well. */
+double em_scene_reach(const struct em_scene *scene);
+void em_scene_extent(const struct em_scene *scene, struct em_vec *low, struct em_vec *high);
 
 const char *em_scene_shape_name(enum em_shape shape);
 const char *em_scene_start_name(enum em_start start);

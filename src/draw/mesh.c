@@ -42,34 +42,40 @@ static void triangle(struct em_mesh *mesh, const struct corner *a, const struct 
 /* Two unit vectors that stand upright on a third. */
 static void across(struct em_vec along, struct em_vec *e1, struct em_vec *e2) {
   const struct em_vec other =
-      fabs(along.z) < 0.9 ? em_vec_make(0.0, 0.0, 1.0) : em_vec_make(1.0, 0.0, 0.0);
-  const struct em_vec raw = em_vec_cross(other, along);
+      fabs(along.z) < 0.9 ? em_vec_make(0.0, 0.0, 1.0) : em_vec_make(0.0, 1.0, 0.0);
+  const struct em_vec raw = em_vec_axpy(other, -em_vec_dot(other, along), along);
   *e1 = em_vec_scale(1.0 / em_vec_norm(raw), raw);
   *e2 = em_vec_cross(along, *e1);
 }
 
+/* A point of the profile in the direction `out`, of which only a corner's is longer than 1. */
 static struct corner turned(const struct em_mesh_axis *axis, struct em_vec out,
-                            struct em_mesh_profile p) {
+                            struct em_vec facing, struct em_mesh_profile p) {
   const double length = hypot(p.normal_r, p.normal_h);
   return (struct corner){
       em_vec_axpy(em_vec_axpy(axis->origin, p.r, out), p.h, axis->along),
-      em_vec_axpy(em_vec_scale(p.normal_r / length, out), p.normal_h / length, axis->along),
+      em_vec_axpy(em_vec_scale(p.normal_r / length, facing), p.normal_h / length, axis->along),
   };
 }
 
 void em_mesh_revolve(struct em_mesh *mesh, const struct em_mesh_axis *axis,
                      struct em_mesh_profile p, struct em_mesh_profile q, int segments) {
+  const bool flat = axis->facets > 0;
+  const int sides = flat ? axis->facets : segments;
+  const double step = 2.0 * M_PI / sides, corner = flat ? 1.0 / cos(0.5 * step) : 1.0;
   struct em_vec e1, e2;
   across(axis->along, &e1, &e2);
-  struct corner p0 = turned(axis, e1, p), q0 = turned(axis, e1, q);
-  for (int k = 1; k <= segments; k++) {
-    const double angle = 2.0 * M_PI * (k % segments) / segments;
-    const struct em_vec out = em_vec_axpy(em_vec_scale(cos(angle), e1), sin(angle), e2);
-    const struct corner p1 = turned(axis, out, p), q1 = turned(axis, out, q);
-    triangle(mesh, &p0, &p1, &q0);
-    triangle(mesh, &q0, &p1, &q1);
-    p0 = p1;
-    q0 = q1;
+  for (int k = 0; k < sides; k++) {
+    const double middle = step * k, from = flat ? middle - 0.5 * step : middle;
+    const double angle[3] = {from, from + step, middle};
+    struct em_vec out[3];
+    for (int j = 0; j < 3; j++)
+      out[j] = em_vec_axpy(em_vec_scale(cos(angle[j]), e1), sin(angle[j]), e2);
+    struct corner c[4];
+    for (int j = 0; j < 4; j++)
+      c[j] = turned(axis, em_vec_scale(corner, out[j % 2]), out[flat ? 2 : j % 2], j < 2 ? p : q);
+    triangle(mesh, &c[0], &c[1], &c[2]);
+    triangle(mesh, &c[2], &c[1], &c[3]);
   }
 }
 

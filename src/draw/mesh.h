@@ -17,9 +17,12 @@ struct em_mesh {
   bool failed;                   /* memory was short */
 };
 
-/* Where a surface of revolution stands: the origin, and the unit vector of its axis. */
+/* Where a surface of revolution stands: the origin, and the unit vector of its axis; or a prism, of
+ * flat sides that touch the round surface from outside, the first of them towards z (towards y when
+ * that is the axis). */
 struct em_mesh_axis {
   struct em_vec origin, along;
+  int facets; /* 0: round */
 };
 
 /* A point of a profile: distance from the axis, place along it, and the direction of the normal. */
@@ -27,7 +30,7 @@ struct em_mesh_profile {
   double r, h, normal_r, normal_h;
 };
 
-/* Turns the line from p to q about the axis. */
+/* Turns the line from p to q about the axis; round ones have so many segments. */
 void em_mesh_revolve(struct em_mesh *mesh, const struct em_mesh_axis *axis,
                      struct em_mesh_profile p, struct em_mesh_profile q, int segments);
 

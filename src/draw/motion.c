@@ -330,11 +330,18 @@ static double wrapped(double x, double size) {
   return x - size * floor(x / size);
 }
 
+/* How far from the axis of the drum, across the wall that is nearest. */
+static double outwards(const struct em_chamber *c, struct em_vec p) {
+  if (c->facets == 0) return hypot(p.x, p.z);
+  const double step = 2.0 * M_PI / c->facets, angle = step * round(atan2(p.x, p.z) / step);
+  return p.x * sin(angle) + p.z * cos(angle);
+}
+
 /* A centre that is inside the chamber; in periodic directions, its image there. */
 static struct em_vec inside(const struct em_scene *scene, struct em_vec p, double radius) {
   const struct em_chamber *c = &scene->chamber;
   if (c->shape == EM_SHAPE_DRUM) {
-    const double most = 0.5 * c->diameter - radius, r = hypot(p.x, p.z);
+    const double most = 0.5 * c->diameter - radius, r = outwards(c, p);
     const double scale = r > most && r > 0.0 ? most / r : 1.0;
     return em_vec_make(scale * p.x, within(p.y, radius, c->length - radius), scale * p.z);
   }

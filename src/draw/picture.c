@@ -97,7 +97,7 @@ struct em_picture_options em_picture_default(const struct em_scene *scene,
 static void aim(struct em_picture *p) {
   struct em_vec low, high, outline[EM_SOLIDS_OUTLINE];
   const size_t count = em_solids_outline(p->scene, outline);
-  em_scene_bounds(p->scene, &low, &high);
+  em_scene_extent(p->scene, &low, &high);
   em_overlay_margins(&p->options, &p->options.camera);
   em_camera_aim(&p->options.camera, low, high, outline, count, p->options.width, p->options.height,
                 &p->aim);

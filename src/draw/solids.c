@@ -11,6 +11,8 @@
 #include "draw/mesh.h"
 #include "draw/program.h"
 
+enum { ROUND = 192 }; /* more sides of a drum cannot be told from a round one */
+
 enum material { BLADE, SHAFT, RING, GLASS };
 
 struct em_part {
@@ -79,7 +81,7 @@ static void finish_part(struct builder *b, enum material material, const struct 
 }
 
 static void add_blade(struct builder *b, const struct em_blade *blade) {
-  const struct em_mesh_axis axis = {{0, 0, 0}, {0, 0, 1}};
+  const struct em_mesh_axis axis = {{0, 0, 0}, {0, 0, 1}, 0};
   if (blade->tip == EM_TIP_HEMISPHERE && blade->reach > blade->radius)
     em_mesh_capsule(&b->mesh, &axis, blade->radius, -blade->reach, blade->reach);
   else
@@ -119,10 +121,10 @@ static void add_rotor(struct builder *b, const struct em_scene *scene,
     add_blade(b, &rotor->blade[k]);
     radius = fmax(radius, 0.6 * rotor->blade[k].radius);
   }
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   if (radius <= 0.0 || !clip(rotor->point, rotor->axis, low, high, &from, &to)) return;
   const double out = scene->chamber.shape == EM_SHAPE_DRUM ? 2.0 * ring_thickness(scene) : 0.0;
-  const struct em_mesh_axis axis = {rotor->point, rotor->axis};
+  const struct em_mesh_axis axis = {rotor->point, rotor->axis, 0};
   em_mesh_bar(&b->mesh, &axis, radius, from - out, to + out);
   finish_part(b, SHAFT, NULL);
 }
@@ -130,12 +132,13 @@ static void add_rotor(struct builder *b, const struct em_scene *scene,
 static void add_drum(struct builder *b, const struct em_scene *scene) {
   const double r = 0.5 * scene->chamber.diameter, l = scene->chamber.length;
   const double thick = ring_thickness(scene);
-  const struct em_mesh_axis axis = {{0, 0, 0}, {0, 1, 0}};
+  const int facets = scene->chamber.facets <= ROUND ? scene->chamber.facets : 0;
+  const struct em_mesh_axis axis = {{0, 0, 0}, {0, 1, 0}, facets};
   em_mesh_ring(&b->mesh, &axis, r, 1.045 * r, -thick, 0.0);
   em_mesh_ring(&b->mesh, &axis, r, 1.045 * r, l, l + thick);
   finish_part(b, RING, NULL);
   em_mesh_revolve(&b->mesh, &axis, (struct em_mesh_profile){r, 0.0, 1, 0},
-                  (struct em_mesh_profile){r, l, 1, 0}, 192);
+                  (struct em_mesh_profile){r, l, 1, 0}, ROUND);
   finish_part(b, GLASS, NULL);
 }
 
@@ -145,12 +148,12 @@ static double *component(struct em_vec *v, int k) {
 
 static void add_box(struct builder *b, const struct em_scene *scene) {
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   const struct em_vec size = em_vec_sub(high, low);
   const double r = 0.004 * fmax(size.x, fmax(size.y, size.z));
   for (int k = 0; k < 3; k++) {
     for (int corner = 0; corner < 4; corner++) {
-      struct em_mesh_axis axis = {low, {0, 0, 0}};
+      struct em_mesh_axis axis = {low, {0, 0, 0}, 0};
       struct em_vec extent = size;
       *component(&axis.along, k) = 1.0;
       if (corner & 1) *component(&axis.origin, (k + 1) % 3) += *component(&extent, (k + 1) % 3);
@@ -290,20 +293,24 @@ void em_solids_draw_glass(const struct em_solids *solids, const struct em_gl *gl
 
 size_t em_solids_outline(const struct em_scene *scene, struct em_vec point[EM_SOLIDS_OUTLINE]) {
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   if (scene->chamber.shape != EM_SHAPE_DRUM) {
     for (int k = 0; k < 8; k++)
       point[k] =
           em_vec_make(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
     return 8;
   }
-  const double r = 1.045 * 0.5 * scene->chamber.diameter, thick = ring_thickness(scene);
-  for (int k = 0; k < EM_SOLIDS_OUTLINE; k++) {
-    const double angle = 2.0 * M_PI * (k / 2) / (EM_SOLIDS_OUTLINE / 2);
+  const double r = 1.045 * em_scene_reach(scene), thick = ring_thickness(scene);
+  const int facets = scene->chamber.facets;
+  const bool corners = facets > 0 && facets <= EM_SOLIDS_OUTLINE / 2;
+  const int count = corners ? facets : EM_SOLIDS_OUTLINE / 2;
+  for (int k = 0; k < 2 * count; k++) {
+    /* From x; the corners stand half a facet beside z. */
+    const double angle = 2.0 * M_PI * (k / 2) / count + (corners ? 0.5 * M_PI + M_PI / count : 0.0);
     const double y = k & 1 ? scene->chamber.length + thick : -thick;
     point[k] = em_vec_make(r * cos(angle), y, r * sin(angle));
   }
-  return EM_SOLIDS_OUTLINE;
+  return 2 * (size_t)count;
 }
 
 void em_solids_clear(struct em_solids *solids, const struct em_gl *gl) {

@@ -113,10 +113,12 @@ static void put_shafts(FILE *out, const struct em_scene *scene) {
 static void put_chamber(FILE *out, const struct em_scene *scene) {
   const struct em_chamber *c = &scene->chamber;
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
-  fprintf(out, "\"shape\":\"%s\",\"diameter\":%.9g,\"length\":%.9g,\"periodic\":[%d,%d,%d],",
-          em_scene_shape_name(c->shape), c->diameter, c->length, c->periodic[0], c->periodic[1],
-          c->periodic[2]);
+  em_scene_extent(scene, &low, &high);
+  fprintf(
+      out,
+      "\"shape\":\"%s\",\"diameter\":%.9g,\"length\":%.9g,\"facets\":%d,\"periodic\":[%d,%d,%d],",
+      em_scene_shape_name(c->shape), c->diameter, c->length, c->facets, c->periodic[0],
+      c->periodic[1], c->periodic[2]);
   put_vec(out, "low", low);
   putc(',', out);
   put_vec(out, "high", high);

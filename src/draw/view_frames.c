@@ -112,7 +112,7 @@ static bool make_room(struct em_view_frames *f, bool spins, bool classes) {
 static enum em_status pack_all(struct em_view_frames *f, struct em_motion *motion,
                                const struct em_scene *scene, struct em_error *err) {
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   for (size_t k = 0; k < f->count; k++) {
     const enum em_status status = em_motion_seek(motion, f->time[k], err);
     if (status != EM_OK) return status;

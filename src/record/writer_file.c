@@ -101,7 +101,7 @@ static bool create_box(hid_t file, const struct em_scene *scene) {
   for (int i = 0; i < 3; i++)
     boundary[i] = box && scene->chamber.periodic[i] ? "periodic" : "none";
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   const struct em_vec edges = em_vec_sub(high, low);
   const int32_t dimension = 3;
   return em_h5_group(file, EM_LAYOUT_BOX) &&

@@ -247,6 +247,19 @@ void em_scene_bounds(const struct em_scene *scene, struct em_vec *low, struct em
   *high = drum ? em_vec_make(r, c->length, r) : c->size;
 }
 
+double em_scene_reach(const struct em_scene *scene) {
+  const struct em_chamber *c = &scene->chamber;
+  return 0.5 * c->diameter / (c->facets > 0 ? cos(M_PI / c->facets) : 1.0);
+}
+
+void em_scene_extent(const struct em_scene *scene, struct em_vec *low, struct em_vec *high) {
+  em_scene_bounds(scene, low, high);
+  if (scene->chamber.shape != EM_SHAPE_DRUM) return;
+  const double reach = em_scene_reach(scene);
+  low->x = low->z = -reach;
+  high->x = high->z = reach;
+}
+
 /* The largest speed at which a species starts. */
 static double start_speed(const struct em_species *s) {
   if (s->start != EM_START_TABLE) return s->count > 0 ? s->speed : 0.0;

@@ -1,9 +1,8 @@
 /* POV-Ray scenes: balls coloured by speed, a glass drum, steel blades. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "eventmill/colour.h"
-#include "eventmill/sample.h"
+#include "eventmill/picture.h"
 #include "record/output.h"
 #include "tool/export.h"
 
@@ -21,7 +20,7 @@ static void put_vec(FILE *out, struct em_vec v) {
 
 static void camera(FILE *out, const struct em_scene *scene) {
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   const struct em_vec middle = em_vec_scale(0.5, em_vec_add(low, high));
   const double size = em_vec_norm(em_vec_sub(high, low));
   const struct em_vec eye = em_vec_add(middle, em_vec_scale(size, em_vec_make(0.95, -1.35, 0.55)));
@@ -48,12 +47,28 @@ static void cylinder(FILE *out, struct em_vec a, struct em_vec b, double radius,
   fprintf(out, ", %.7g %s }\n", radius, rest);
 }
 
+/* A drum from y = a to b: a cylinder, or a prism whose facets touch it from outside. POV-Ray's
+ * prisms rise along its y, so that its y and z are exchanged. */
+static void barrel(FILE *out, const struct em_chamber *c, double radius, double a, double b) {
+  if (c->facets == 0) {
+    cylinder(out, em_vec_make(0, a, 0), em_vec_make(0, b, 0), radius, "");
+    return;
+  }
+  const double step = 2.0 * M_PI / c->facets, corner = radius / cos(0.5 * step);
+  fprintf(out, "prism { linear_sweep linear_spline %.7g, %.7g, %d", a, b, c->facets + 1);
+  for (int k = 0; k <= c->facets; k++) {
+    const double angle = (k % c->facets + 0.5) * step; /* from z to x */
+    fprintf(out, ",\n  <%.7g, %.7g>", corner * sin(angle), corner * cos(angle));
+  }
+  fprintf(out, "\n  matrix <1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0> }\n");
+}
+
 /* A steel ring around an end of the drum, from y = a to b. */
-static void ring(FILE *out, double radius, double a, double b) {
-  const double slack = b - a;
+static void ring(FILE *out, const struct em_chamber *c, double a, double b) {
+  const double slack = b - a, radius = 0.5 * c->diameter;
   fprintf(out, "difference {\n");
-  cylinder(out, em_vec_make(0, a, 0), em_vec_make(0, b, 0), 1.045 * radius, "");
-  cylinder(out, em_vec_make(0, a - slack, 0), em_vec_make(0, b + slack, 0), radius, "");
+  barrel(out, c, 1.045 * radius, a, b);
+  barrel(out, c, radius, a - slack, b + slack);
   fprintf(out, "texture { Steel } }\n");
 }
 
@@ -62,11 +77,11 @@ static void walls(FILE *out, const struct em_scene *scene) {
   if (c->shape == EM_SHAPE_DRUM) {
     const double wall = 0.015 * c->diameter, r = 0.5 * c->diameter;
     fprintf(out, "difference {\n");
-    cylinder(out, em_vec_make(0, -wall, 0), em_vec_make(0, c->length + wall, 0), r + wall, "");
-    cylinder(out, em_vec_make(0, -2.0 * wall, 0), em_vec_make(0, c->length + 2.0 * wall, 0), r, "");
+    barrel(out, c, r + wall, -wall, c->length + wall);
+    barrel(out, c, r, -2.0 * wall, c->length + 2.0 * wall);
     fprintf(out, "texture { Glass } no_shadow }\n");
-    ring(out, r, -2.0 * wall, 0.0);
-    ring(out, r, c->length, c->length + 2.0 * wall);
+    ring(out, c, -2.0 * wall, 0.0);
+    ring(out, c, c->length, c->length + 2.0 * wall);
     return;
   }
   fprintf(out, "box { <0, 0, 0>, ");
@@ -118,27 +133,6 @@ static void ball(FILE *out, const struct em_balls *b, size_t i, const struct em_
           linear(rgb[0]), linear(rgb[1]), linear(rgb[2]));
 }
 
-/* The scale ends at 110 % of the fastest blade's tip speed, else at the fastest 1 % of the balls of
- * the first frame. */
-static double top_speed(const struct em_scene *scene, const struct em_balls *balls) {
-  double top = 0.0;
-  for (size_t r = 0; r < scene->rotor_count; r++)
-    for (size_t k = 0; k < scene->rotor[r].blade_count; k++) {
-      const struct em_blade *b = &scene->rotor[r].blade[k];
-      top = fmax(top, 1.1 * fabs(b->omega) * b->reach);
-    }
-  if (top > 0.0) return top;
-  double *speed = malloc((balls->count + 1) * sizeof *speed);
-  for (size_t i = 0; speed && i < balls->count; i++)
-    speed[i] = em_vec_norm(balls->velocity[i]);
-  if (speed && balls->count > 0) {
-    em_sample_describe(speed, balls->count);
-    top = em_sample_quantile(speed, balls->count, 0.99);
-  }
-  free(speed);
-  return top > 0.0 ? top : 1.0;
-}
-
 static void write_scene(FILE *out, const struct em_scene *scene, const struct em_balls *balls,
                         double time, double top) {
   struct em_colour_map map;
@@ -170,7 +164,7 @@ enum em_status em_export_pov_write(const struct em_export *job, struct em_error 
     if (status == EM_OK)
       status = em_output_begin(&file, job->frames > 1 ? path : job->out, EM_OUTPUT_STREAM, err);
     if (status != EM_OK) break;
-    if (k == 0) top = top_speed(scene, balls);
+    if (k == 0) top = em_picture_scale(scene, balls);
     write_scene(file.out, scene, balls, em_run_file_frame_time(job->run, job->frame[k]), top);
     status = em_output_end(&file, EM_OK, err);
   }

@@ -39,31 +39,43 @@ static void quad(struct mesh *mesh, struct em_vec a, struct em_vec b, struct em_
   triangle(mesh, a, c, d);
 }
 
-/* A body of revolution about `axis` through `origin`: ring k lies at distance along[k] with radius
- * around[k]; u and v are unit vectors with u × v = axis. Normals point away from the axis for
- * rising `along`, towards it for falling. */
-static void revolve(struct mesh *mesh, struct em_vec origin, struct em_vec axis, struct em_vec u,
-                    struct em_vec v, const double *along, const double *around, int rings) {
+/* Where a body of revolution stands: u and v are unit vectors with u × v = axis. Its rings have
+ * `around` points, the first at the angle `begin` (rad) from u. */
+struct stand {
+  struct em_vec origin, axis, u, v;
+  int around;
+  double begin;
+};
+
+/* Ring k lies at distance along[k] with radius out[k]. Normals point away from the axis for rising
+ * `along`, towards it for falling. */
+static void revolve(struct mesh *mesh, const struct stand *s, const double *along,
+                    const double *out, int rings) {
   for (int k = 0; k + 1 < rings; k++)
-    for (int j = 0; j < AROUND; j++) {
+    for (int j = 0; j < s->around; j++) {
       struct em_vec p[4];
       for (int corner = 0; corner < 4; corner++) {
         const int ring = k + (corner == 2 || corner == 3), step = j + (corner == 1 || corner == 2);
-        const double phi = 2.0 * M_PI * (step % AROUND) / AROUND;
-        p[corner] = em_vec_axpy(origin, along[ring], axis);
-        p[corner] = em_vec_axpy(p[corner], around[ring] * cos(phi), u);
-        p[corner] = em_vec_axpy(p[corner], around[ring] * sin(phi), v);
+        const double phi = s->begin + 2.0 * M_PI * (step % s->around) / s->around;
+        p[corner] = em_vec_axpy(s->origin, along[ring], s->axis);
+        p[corner] = em_vec_axpy(p[corner], out[ring] * cos(phi), s->u);
+        p[corner] = em_vec_axpy(p[corner], out[ring] * sin(phi), s->v);
       }
       quad(mesh, p[0], p[1], p[2], p[3]);
     }
 }
 
 /* Inside of the drum with its end walls: normals point into the room. */
-static void drum(struct mesh *mesh, const struct em_chamber *c) {
-  const struct em_vec zero = {0, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1}, x = {1, 0, 0};
-  const double r = 0.5 * c->diameter;
-  const double along[] = {c->length, c->length, 0.0, 0.0}, around[] = {0.0, r, r, 0.0};
-  revolve(mesh, zero, y, z, x, along, around, 4);
+static void drum(struct mesh *mesh, const struct em_scene *scene) {
+  const double l = scene->chamber.length, r = em_scene_reach(scene);
+  const int facets = scene->chamber.facets;
+  const struct stand stand = {.axis = {0, 1, 0},
+                              .u = {0, 0, 1},
+                              .v = {1, 0, 0},
+                              .around = facets > 0 ? facets : AROUND,
+                              .begin = facets > 0 ? M_PI / facets : 0.0}; /* a corner */
+  const double along[] = {l, l, 0.0, 0.0}, out[] = {0.0, r, r, 0.0};
+  revolve(mesh, &stand, along, out, 4);
 }
 
 static void box(struct mesh *mesh, const struct em_chamber *c) {
@@ -83,8 +95,8 @@ static void blade(struct mesh *mesh, const struct em_blade *b, double time) {
   const double angle = b->angle + b->omega * time, r = b->radius;
   const struct em_vec bar = em_vec_add(em_vec_scale(cos(angle), b->e1),
                                        em_vec_scale(sin(angle), em_vec_cross(b->axis, b->e1)));
-  const struct em_vec u = b->axis, v = em_vec_cross(bar, b->axis); /* u × v = bar */
-  double along[2 * CAP + 2], around[2 * CAP + 2];
+  const struct stand stand = {b->centre, bar, b->axis, em_vec_cross(bar, b->axis), AROUND, 0.0};
+  double along[2 * CAP + 2], out[2 * CAP + 2];
   const double straight = b->tip == EM_TIP_HEMISPHERE ? b->reach - r : b->reach;
   int rings = 0;
   for (int end = -1; end <= 1; end += 2)
@@ -93,14 +105,14 @@ static void blade(struct mesh *mesh, const struct em_blade *b, double time) {
       const bool round = b->tip == EM_TIP_HEMISPHERE;
       if (!round && k > 0 && k < CAP) continue;
       along[rings] = end * (straight + (round ? r * sin(a) : 0.0));
-      around[rings++] = (end < 0 ? k : CAP - k) == 0 ? 0.0 : round ? r * cos(a) : r;
+      out[rings++] = (end < 0 ? k : CAP - k) == 0 ? 0.0 : round ? r * cos(a) : r;
     }
-  revolve(mesh, b->centre, bar, u, v, along, around, rings);
+  revolve(mesh, &stand, along, out, rings);
 }
 
 static void everything(struct mesh *mesh, const struct em_scene *scene, double time) {
   if (scene->chamber.shape == EM_SHAPE_DRUM)
-    drum(mesh, &scene->chamber);
+    drum(mesh, scene);
   else
     box(mesh, &scene->chamber);
   for (size_t r = 0; r < scene->rotor_count; r++)

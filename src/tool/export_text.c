@@ -10,7 +10,7 @@ static void lammps_header(FILE *out, const struct em_export *job, size_t frame, 
   const struct em_scene *scene = em_run_file_scene(job->run);
   const bool box = scene->chamber.shape == EM_SHAPE_BOX;
   struct em_vec low, high;
-  em_scene_bounds(scene, &low, &high);
+  em_scene_extent(scene, &low, &high);
   fprintf(out,
           "ITEM: UNITS\nsi\nITEM: TIME\n%.17g\nITEM: TIMESTEP\n%zu\nITEM: NUMBER OF ATOMS\n%zu\n",
           em_run_file_frame_time(job->run, frame), frame, count);

@@ -78,6 +78,7 @@ const char *em_gas_no_places(const struct em_scene *scene) {
   if (*no_velocities) return no_velocities;
   if (em_vec_norm(scene->gravity) > 0.0) return "gravity";
   if (em_scene_blade_count(scene) > 0) return "blades take up space";
+  if (scene->chamber.facets > 0) return "the drum has facets, the laws are of a round one";
   return "";
 }
 

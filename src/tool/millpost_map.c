@@ -311,6 +311,10 @@ static enum em_status read_input(struct input *in, const char *path,
   const struct em_scene *scene = em_run_file_scene(in->run);
   if (scene->chamber.shape != EM_SHAPE_DRUM)
     return em_error_set(err, EM_INPUT, path, 0, "maps are of drums, this chamber is a box");
+  if (scene->chamber.facets > 0)
+    return em_error_set(err, EM_INPUT, path, 0,
+                        "maps are of round drums, this one has %d facets (chamber.facets)",
+                        scene->chamber.facets);
   status = em_window_find(&in->window, in->run, o->from, o->to, err);
   if (status != EM_OK) return status;
   /* Both runs are mapped into the cells of the first. */

@@ -209,6 +209,35 @@ dump() { [ "$(grep -c 'ITEM: TIMESTEP' "$work/export.lammps")" -eq 3 ] &&
   [ "$(wc -l <"$work/export.lammps")" -eq $((3 * 2513)) ]; }
 check "a LAMMPS dump has all balls" dump
 
+facets=$work/facets.h5
+run geometries/ideal-gas.cfg balls.count=1000 balls.diameter=0.008 duration=2 record.frames=50 \
+  chamber.facets=3 -o "$facets"
+box() { agrees "$facets" '
+r = h["particles/balls/position/value"][...]
+low = h["particles/balls/box/offset"][...]
+high = low + h["particles/balls/box/edges"][...]
+assert np.all(r > low) and np.all(r < high) and np.hypot(r[..., 0], r[..., 2]).max() > 0.1
+' info "$facets"; }
+check "the box of a run holds the corners of facets" box
+solid() { # all balls are within the surface
+  post export "$facets" --to stl -o "$work/facets.stl" && /usr/bin/python3 - "$facets" "$work/facets.stl" <<'PY'
+import sys
+import h5py, numpy as np
+r = h5py.File(sys.argv[1])["particles/balls/position/value"][...].reshape(-1, 3)
+one = np.dtype([("n", "<f4", 3), ("p", "<f4", (3, 3)), ("rest", "<u2")])
+stl = np.frombuffer(open(sys.argv[2], "rb").read()[84:], one)
+assert abs(stl["p"][..., 2].min() + 0.146) < 1e-6
+for n, p in zip(stl["n"], stl["p"]):
+    assert ((r - p[0]) @ n).min() > 0.004 - 1e-6
+PY
+}
+check "the STL surface has the facets" solid
+check "POV-Ray has them" post export "$facets" --to pov --at 0.2 -o "$work/facets.pov"
+check "as prisms" grep -q "prism {.*, 4,$" "$work/facets.pov"
+expect 2 "3 facets" "no map of a drum with facets" post map "$facets" --cells rings
+expect 0 "" "verify of a drum with facets" post verify "$facets"
+check "tests no places" grep -q "laws of places need not hold here: the drum has facets" "$work/out"
+
 expect 2 "" "no command" post
 expect 2 "" "unknown command" post frobnicate
 expect 2 "" "unknown option" post hist "$one" --frobnicate

@@ -35,6 +35,24 @@ is "is small" 1 $(($(stat -c %s "$work/thin.html") < 300000))
 expect 0 "frames of 100 balls" "a page of few balls" \
   "$post" view "$run" --max-balls 100 --from 0.01 --to 0.02 --step 0.002 -o "$work/few.html"
 
+# A page holds the places of balls, to 16 bits of the chamber's box, in the corners of facets as well.
+facets=$work/facets.h5
+"$bin/mill" run "${small[@]}" chamber.facets=3 record.frames=200 -o "$facets" >"$work/out" || exit 2
+expect 0 "" "a page of a drum with facets" "$post" view "$facets" -o "$work/facets.html"
+check "has the balls where they are" /usr/bin/python3 - "$facets" "$work/facets.html" <<'PY'
+import base64, json, re, sys
+import h5py, numpy as np
+want = h5py.File(sys.argv[1])["particles/balls/position/value"][...]
+page = open(sys.argv[2]).read()
+part = lambda name: re.search(f'id="{name}">(.*?)</script>', page, re.S)[1]
+head, n = json.loads(part("head")), want.shape[1]
+raw = np.frombuffer(base64.b64decode(part("frames")), "<u2").reshape(len(want), 6 * n)
+low, high = np.array(head["low"]), np.array(head["high"])
+got = low + raw[:, :3 * n].reshape(want.shape) * (high - low) / 65535
+assert head["facets"] == 3 and np.hypot(want[..., 0], want[..., 2]).max() > 0.1
+assert abs(got - want).max() < 3e-6, abs(got - want).max()
+PY
+
 # ---------------------------------------------------------------- view: in a browser
 if command -v chromium >"$work/out" && command -v chromedriver >"$work/out"; then
   /usr/bin/python3 tests/tool/view.py "$page" "$work/page.png" >"$work/err" 2>&1

@@ -270,6 +270,73 @@ static void paths_without_a_table_stay_inside(void **state) {
   em_run_file_close(run);
 }
 
+/* Balls are shown where the run has them, in the corners of facets as well, with and without a
+ * table. */
+static void corners_of_facets_are_shown(void **state) {
+  static const char *const with[] = {"chamber.facets=3", "record.frames=500"};
+  static const char *const without[] = {"chamber.facets=3", "record.frames=500",
+                                        "record.collisions=false"};
+  (void)state;
+  for (int table = 0; table < 2; table++) {
+    const char *path = draw_path("facets.h5");
+    record(path, table ? 2 : 3, table ? with : without);
+    struct em_run_file *run;
+    struct em_error err = {0};
+    struct em_motion *motion;
+    struct em_balls *frame;
+    assert_int_equal(em_run_file_open(&run, path, &err), EM_OK);
+    assert_int_equal(em_motion_new(&motion, run, 0.0, &err), EM_OK);
+    assert_int_equal(em_motion_is_exact(motion), table);
+    assert_int_equal(em_run_file_balls(run, &frame, &err), EM_OK);
+    double worst = 0.0, farthest = 0.0, out = 0.0;
+    for (size_t k = 0; k < em_run_file_frame_count(run); k++) {
+      const double t = em_run_file_frame_time(run, k);
+      assert_int_equal(em_run_file_frame(run, k, frame, &err), EM_OK);
+      assert_int_equal(em_motion_seek(motion, t, &err), EM_OK);
+      const struct em_balls *balls = em_motion_balls(motion);
+      for (size_t n = 0; n < frame->count; n++) {
+        const struct em_vec p = balls->position[n];
+        worst = fmax(worst, em_vec_norm(em_vec_sub(p, frame->position[n])));
+        farthest = fmax(farthest, hypot(p.x, p.z));
+      }
+      assert_int_equal(em_motion_seek(motion, t + 0.001, &err), EM_OK);
+      balls = em_motion_balls(motion);
+      for (size_t n = 0; n < frame->count; n++) {
+        const struct em_vec p = balls->position[n];
+        const double side = 0.5 * sqrt(3.0) * fabs(p.x) - 0.5 * p.z;
+        out = fmax(out, fmax(p.z, side) - 0.028);
+      }
+    }
+    assert_true(worst < 5e-8); /* places are stored as 32-bit floats */
+    assert_true(farthest > 0.04);
+    assert_true(out < 1e-8);
+    em_motion_free(motion);
+    em_start_free(frame);
+    em_run_file_close(run);
+  }
+}
+
+static void facets_are_drawn(void **state) {
+  static const char *const round[] = {"balls.count=0"},
+                           *const flat[] = {"balls.count=0", "chamber.facets=4"},
+                           *const many[] = {"balls.count=0", "chamber.facets=20000"};
+  (void)state;
+  static uint8_t rgba[3][BYTES];
+  for (int kind = 0; kind < 3; kind++) {
+    struct em_scene *scene = draw_scene(DRAW_MILL, kind ? 2 : 1,
+                                        kind == 0   ? round
+                                        : kind == 1 ? flat
+                                                    : many);
+    struct em_balls *balls = draw_start(scene);
+    const struct em_picture_options o = options_for(scene, balls);
+    draw(scene, &o, balls, rgba[kind]);
+    em_start_free(balls);
+    em_scene_free(scene);
+  }
+  assert_true(difference(rgba[0], rgba[1]) > 1000);
+  assert_true(difference(rgba[0], rgba[2]) == 0);
+}
+
 static int clean(void **state) {
   (void)state;
   draw_clean();
@@ -284,6 +351,8 @@ int main(void) {
       cmocka_unit_test(bad_pictures_are_refused),
       cmocka_unit_test(paths_between_frames_are_exact),
       cmocka_unit_test(paths_without_a_table_stay_inside),
+      cmocka_unit_test(corners_of_facets_are_shown),
+      cmocka_unit_test(facets_are_drawn),
   };
   return cmocka_run_group_tests(tests, NULL, clean);
 }

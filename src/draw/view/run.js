@@ -53,10 +53,17 @@ class Run {
     return {from, to, span, u};
   }
 
+  // How far from the axis of the drum a place is, across the wall that is nearest.
+  outwards(x, z) {
+    if (!this.facets) return Math.hypot(x, z);
+    const step = 2 * Math.PI / this.facets, angle = step * Math.round(Math.atan2(x, z) / step);
+    return x * Math.sin(angle) + z * Math.cos(angle);
+  }
+
   // A centre stays inside the chamber; in periodic directions its image is shown.
   keepInside(place, at, radius) {
     if (this.shape === "drum") {
-      const most = this.diameter / 2 - radius, r = Math.hypot(place[at], place[at + 2]);
+      const most = this.diameter / 2 - radius, r = this.outwards(place[at], place[at + 2]);
       if (r > most) {
         place[at] *= most / r;
         place[at + 2] *= most / r;

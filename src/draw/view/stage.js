@@ -56,6 +56,7 @@ class Camera {
 
 // ---------------------------------------------------------------- surfaces
 // Triangles of profiles that turn about an axis: [distance, place along, normal out, normal along].
+// With facets, prisms of flat sides that touch the round surface from outside, the first towards z.
 class Mesh {
   constructor() {
     this.data = [];
@@ -68,25 +69,27 @@ class Mesh {
     for (const [place, normal] of flip ? [a, c, b] : [a, b, c]) this.data.push(...place, ...normal);
   }
 
-  revolve(origin, axis, p, q, segments) {
-    const e1 = unit(cross(Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], axis));
-    const e2 = cross(axis, e1);
-    const at = ([r, h, nr, nh], k) => {
-      const angle = 2 * Math.PI * (k % segments) / segments;
-      const out = along(e1.map(c => c * Math.cos(angle)), Math.sin(angle), e2);
-      return [along(along(origin, r, out), h, axis),
-              unit(along(out.map(c => c * nr), nh, axis))];
+  revolve(origin, axis, p, q, segments, facets = 0) {
+    const sides = facets || segments, step = 2 * Math.PI / sides;
+    const other = Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [0, 1, 0];
+    const e1 = unit(along(other, -dot(other, axis), axis)), e2 = cross(axis, e1);
+    const direction = k => along(e1.map(c => c * Math.cos(step * k)), Math.sin(step * k), e2);
+    const corner = facets ? 1 / Math.cos(step / 2) : 1, back = facets ? 0.5 : 0;
+    const at = ([r, h, nr, nh], side, next) => {
+      const out = direction((side + next) % sides - back), facing = facets ? direction(side) : out;
+      return [along(along(origin, r * corner, out), h, axis),
+              unit(along(facing.map(c => c * nr), nh, axis))];
     };
-    for (let k = 0; k < segments; k++) {
-      const a = at(p, k), b = at(q, k), c = at(p, k + 1), d = at(q, k + 1);
+    for (let k = 0; k < sides; k++) {
+      const a = at(p, k, 0), b = at(q, k, 0), c = at(p, k, 1), d = at(q, k, 1);
       this.triangle(a, c, b);
       this.triangle(b, c, d);
     }
   }
 
-  turned(origin, axis, profile, segments) {
+  turned(origin, axis, profile, segments, facets) {
     for (let k = 0; k + 1 < profile.length; k += 2)
-      this.revolve(origin, axis, profile[k], profile[k + 1], segments);
+      this.revolve(origin, axis, profile[k], profile[k + 1], segments, facets);
   }
 
   bar(origin, axis, r, h0, h1) {
@@ -107,12 +110,12 @@ class Mesh {
     this.turned(origin, axis, profile, 48);
   }
 
-  ring(origin, axis, inner, outer, h0, h1) {
+  ring(origin, axis, inner, outer, h0, h1, facets) {
     const e = 0.15 * Math.min(outer - inner, h1 - h0);
     this.turned(origin, axis, [
       [inner, h0, -1, 0], [inner, h1, -1, 0], [inner, h0, 0, -1], [outer - e, h0, 0, -1],
       [outer - e, h0, 1, -1], [outer, h0 + e, 1, -1], [outer, h0 + e, 1, 0], [outer, h1 - e, 1, 0],
-      [outer, h1 - e, 1, 1], [outer - e, h1, 1, 1], [outer - e, h1, 0, 1], [inner, h1, 0, 1]], 96);
+      [outer, h1 - e, 1, 1], [outer - e, h1, 1, 1], [outer - e, h1, 0, 1], [inner, h1, 0, 1]], 96, facets);
   }
 
   quad(p, a, b) {
@@ -148,17 +151,18 @@ class Machine {
     this.parts.push({kind, blade, first, count: this.mesh.data.length / 6 - first});
   }
 
-  drum({diameter, length}) {
+  drum({diameter, length, facets}) {
     const r = diameter / 2, thick = 0.022 * diameter, y = [0, 1, 0], o = [0, 0, 0], points = [];
-    this.mesh.ring(o, y, r, 1.045 * r, -thick, 0);
-    this.mesh.ring(o, y, r, 1.045 * r, length, length + thick);
+    const flat = facets <= 192 ? facets : 0; // more sides cannot be told from a round drum
+    this.mesh.ring(o, y, r, 1.045 * r, -thick, 0, flat);
+    this.mesh.ring(o, y, r, 1.045 * r, length, length + thick, flat);
     this.finish("ring");
-    this.mesh.revolve(o, y, [r, 0, 1, 0], [r, length, 1, 0], 192);
+    this.mesh.revolve(o, y, [r, 0, 1, 0], [r, length, 1, 0], 192, flat);
     this.finish("glass");
-    for (let k = 0; k < 96; k++) {
-      const a = 2 * Math.PI * (k >> 1) / 48;
-      points.push([1.045 * r * Math.cos(a), k & 1 ? length + thick : -thick,
-                   1.045 * r * Math.sin(a)]);
+    const corners = flat || 48, reach = 1.045 * r / (flat ? Math.cos(Math.PI / flat) : 1);
+    for (let k = 0; k < 2 * corners; k++) {
+      const a = 2 * Math.PI * ((k >> 1) + (flat ? 0.5 : 0)) / corners;
+      points.push([reach * Math.sin(a), k & 1 ? length + thick : -thick, reach * Math.cos(a)]);
     }
     return points;
   }
