@@ -81,7 +81,7 @@ static enum em_status from_frames(struct em_field *field, const struct em_run_fi
     for (size_t i = 0; status == EM_OK && i < balls->count; i++) {
       const struct em_vec r = balls->position[i];
       const double reach = field->cells->radius - balls->radius[i];
-      add(field, group, r, em_vec_norm(balls->velocity[i]));
+      add(field, group, r, field->of == EM_FIELD_SPEED ? em_vec_norm(balls->velocity[i]) : 1.0);
       rim += hypot(r.x, r.z) > reach * 0.96;
       all += 1.0;
     }
@@ -208,26 +208,35 @@ static struct em_interval ratio(const double *a, const double *b, size_t groups,
   return out;
 }
 
-struct em_interval em_field_value(const struct em_field *field, size_t first, size_t end,
-                                  double level) {
-  const size_t cells = field->cells->count;
+/* The mapped value of `count` cells from `first` on, in the first `slices` slices together. */
+static struct em_interval value_of(const struct em_field *field, size_t first, size_t count,
+                                   size_t slices, double level) {
+  const struct em_cells *cells = field->cells;
   const bool mean = em_field_is_mean(field->of);
-  const bool counts = field->of == EM_FIELD_COUNT || field->of == EM_FIELD_HITS;
-  double volume = 0.0, a[EM_FIELD_GROUPS] = {0.0}, b[EM_FIELD_GROUPS] = {0.0};
-  for (size_t k = first; k < end; k++)
-    volume += 1e6 * em_cells_volume(field->cells, k); /* cm³ */
-  for (size_t g = 0; g < field->groups; g++) {
-    if (!mean) b[g] = field->weight[g] * volume;
-    for (size_t k = first; k < end; k++) {
-      const double n = field->n[g * cells + k];
-      a[g] += counts ? n : field->sum[g * cells + k];
-      if (mean) b[g] += n;
+  double a[EM_FIELD_GROUPS] = {0.0}, b[EM_FIELD_GROUPS] = {0.0};
+  for (size_t s = 0; s < slices; s++)
+    for (size_t j = 0; j < count; j++) {
+      const size_t k = s * cells->per_slice + first + j;
+      const double volume = 1e6 * em_cells_volume(cells, k); /* cm³ */
+      for (size_t g = 0; g < field->groups; g++) {
+        a[g] += field->sum[g * cells->count + k];
+        b[g] += mean ? field->n[g * cells->count + k] : field->weight[g] * volume;
+      }
     }
-  }
   return ratio(a, b, field->groups, level);
 }
 
+struct em_interval em_field_value(const struct em_field *field, size_t cell, double level) {
+  return value_of(field, cell, 1, 1, level);
+}
+
+struct em_interval em_field_tube_value(const struct em_field *field, size_t tube, double level) {
+  const struct em_cells *cells = field->cells;
+  return value_of(field, cells->first[tube], cells->in_tube[tube], cells->slices, level);
+}
+
 double em_field_spread(const struct em_field *field, size_t cell) {
+  if (!em_field_is_mean(field->of)) return NAN;
   const double n = em_field_values(field, cell);
   double sum = 0.0;
   for (size_t g = 0; g < field->groups; g++)

@@ -31,7 +31,7 @@ struct em_field {
   double group_time;              /* s of each group; for frames: frames of each, as doubles */
   size_t groups;                  /* in use */
   double weight[EM_FIELD_GROUPS]; /* frames, or s */
-  double *n, *sum;                /* [groups * cells], values and their sum */
+  double *n, *sum;                /* [groups * cells], values and their sum; of counts, each is 1 */
   double *square;                 /* [cells], sum of their squares */
   double total;                   /* values in all cells */
   double outside;                 /* values in no cell */
@@ -54,11 +54,12 @@ void em_field_free(struct em_field *field);
 
 double em_field_values(const struct em_field *field, size_t cell); /* how many fell into it */
 
-/* The mapped value of a cell, or of all cells [first, end) together; NAN without data. */
-struct em_interval em_field_value(const struct em_field *field, size_t first, size_t end,
-                                  double level);
+/* The mapped value of a cell, and of a tube in all slices together; NAN without data. */
+struct em_interval em_field_value(const struct em_field *field, size_t cell, double level);
+struct em_interval em_field_tube_value(const struct em_field *field, size_t tube, double level);
 
-/* Relative standard deviation of the values in a cell (16-2); NAN for fewer than 2. */
+/* Relative standard deviation of the values in a cell (16-2); NAN for fewer than 2, and for what is
+ * no mean. */
 double em_field_spread(const struct em_field *field, size_t cell);
 
 #endif

@@ -58,6 +58,10 @@ static bool is_signed(enum em_gather_of of) {
   return of == EM_GATHER_VX || of == EM_GATHER_VY || of == EM_GATHER_VZ;
 }
 
+bool em_gather_is_of_balls(enum em_gather_of of) {
+  return of == EM_GATHER_SPEED || is_signed(of);
+}
+
 static struct em_histogram *make_bins(enum em_gather_of of, int per_octave) {
   if (of == EM_GATHER_IMPACT) return em_histogram_new(per_octave == FINE ? 20000 : 1000, 0.0, 1.0);
   const struct range r = range_of(of);
@@ -317,7 +321,7 @@ enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *r
   gather->of = of;
   gather->from = window->from;
   gather->to = window->to;
-  gather->of_balls = of == EM_GATHER_SPEED || is_signed(of);
+  gather->of_balls = em_gather_is_of_balls(of);
   if (classes == 0) classes = (1U << EM_CLASS_COUNT) - 1U;
   enum em_status status;
   if (gather->of_balls)

@@ -47,6 +47,7 @@ int em_gather_find(const char *name); /* -1: no such quantity */
 const char *em_gather_name(enum em_gather_of of);
 const char *em_gather_symbol(enum em_gather_of of);
 const char *em_gather_unit(enum em_gather_of of);
+bool em_gather_is_of_balls(enum em_gather_of of); /* in frames; else at collisions */
 
 /* Collects. classes: bits of those that make up EM_GATHER_ALL; 0: all four. Errors: EM_INPUT (the
  * file does not hold what the quantity needs), EM_MEMORY, and those of reading. */

@@ -48,7 +48,7 @@ struct em_millpost_options {
   const char *match;                               /* NULL */
   unsigned classes;                                /* bits 1 << enum em_class; 0: not given */
   double from, to;                                 /* s; NAN */
-  double above, below;                             /* NAN */
+  double above;                                    /* NAN */
   double at;                                       /* s; NAN */
   double level;                                    /* 0.95 */
   double alpha;                                    /* 0.001 */
@@ -72,6 +72,10 @@ int em_millpost_usage(const char *command, const char *format, ...)
 /* Prints the report in the format asked for, frees it, and returns the exit code. */
 int em_millpost_print(struct em_report *report, const struct em_millpost_options *options,
                       int code);
+
+/* The names of classes (bits 1 << enum em_class), with commas between; "" for none. */
+enum { EM_MILLPOST_CLASSES = 64 }; /* room for all of them */
+void em_millpost_classes(unsigned classes, char *text, size_t size);
 
 /* The file's name without folder and ending, cut to size. */
 void em_millpost_label(const char *path, char *label, size_t size);

@@ -256,7 +256,8 @@ static enum em_status draw(const struct curve *curve, int count, const struct in
                            struct em_error *err) {
   struct em_plot_series series[MOST_RUNS * EM_GATHER_ROWS];
   const struct em_gather *gather = in[0].gather;
-  char subtitle[256], title[160], x_label[96], y_label[96], mark_name[64];
+  char subtitle[320], title[160], x_label[96], y_label[96], mark_name[64];
+  char classes[EM_MILLPOST_CLASSES];
   for (int k = 0; k < count; k++) {
     const size_t bins = curve[k].h->bins;
     series[k] = (struct em_plot_series){.name = count > 1 ? curve[k].name : NULL,
@@ -269,6 +270,9 @@ static enum em_status draw(const struct curve *curve, int count, const struct in
   const size_t used = strlen(subtitle);
   snprintf(subtitle + used, sizeof subtitle - used, " · %.3g … %.3g s", gather->from, gather->to);
   if (runs > 1) snprintf(subtitle, sizeof subtitle, "%d runs", runs);
+  em_millpost_classes(o->classes, classes, sizeof classes);
+  const size_t end_of_it = strlen(subtitle);
+  if (o->classes) snprintf(subtitle + end_of_it, sizeof subtitle - end_of_it, " · %s", classes);
   snprintf(title, sizeof title, "%s of the %s", o->cumulative ? "Cumulative share" : "Distribution",
            em_gather_symbol(gather->of));
   snprintf(x_label, sizeof x_label, "%s  [%s]", em_gather_symbol(gather->of),
@@ -364,6 +368,11 @@ int em_millpost_hist(int argc, char **argv) {
     return em_millpost_usage("hist",
                              "unknown quantity '%s', expected vn vt speed relative vx vy vz "
                              "energy lost or impact",
+                             options.of);
+  if (options.classes && em_gather_is_of_balls((enum em_gather_of)of))
+    return em_millpost_usage("hist",
+                             "--class: balls have none, expected it with vn vt relative "
+                             "energy lost or impact, not with --of %s",
                              options.of);
   struct input in[MOST_RUNS] = {{NULL, NULL, {0}, ""}};
   const int result = run_with(in, &options, (enum em_gather_of)of);

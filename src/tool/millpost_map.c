@@ -25,6 +25,7 @@ static const struct em_millpost_help help = {
         "--of hits: collisions per volume and time;  vn: their mean normal speed;\n"
         "     energy: Σ ½ m_eff v_n² per volume and time;  lost: what they dissipate there\n"
         "     (these four from the collision table; --class picks classes)\n"
+        "The default is count, with --class hits.\n"
         "Sectors all have one volume; rings have one cross-section and are mirrored at the axis.\n"
         "The text table sums up the tubes; --csv and --json give every cell. Cells without data "
         "stay\n"
@@ -47,13 +48,14 @@ struct shown {
 
 static struct shown look(const struct em_field *field, const struct em_field *minus, size_t k,
                          double level) {
-  const struct em_interval a = em_field_value(field, k, k + 1, level);
-  struct shown out = {a.value, a.half, em_field_spread(field, k), em_field_values(field, k)};
+  const struct em_interval a = em_field_value(field, k, level);
+  struct shown out = {a.value, a.half, NAN, em_field_values(field, k)};
   if (!minus) {
+    out.spread = em_field_spread(field, k);
     if (out.values == 0.0) out.value = out.half = NAN;
     return out;
   }
-  const struct em_interval b = em_field_value(minus, k, k + 1, level);
+  const struct em_interval b = em_field_value(minus, k, level);
   if (out.values == 0.0 && em_field_values(minus, k) == 0.0) out.value = NAN;
   out.value -= b.value;
   out.half = hypot(a.half, b.half);
@@ -74,23 +76,22 @@ static void tube_table(struct em_report *report, const struct em_field *field,
   em_report_column(report, "value", "value", unit);
   if (minus) em_report_column(report, "other", "other run", unit);
   for (size_t t = 0; t < cells->tubes; t++) {
-    /* A tube is the same stretch of cells in every slice; slices are summed one by one. */
-    struct em_interval value = {NAN, NAN, NAN, 0.0, 1.0}, other = value;
+    /* A tube is the same stretch of cells in every slice. */
     double n = 0.0;
     const size_t first = cells->first[t], end = first + cells->in_tube[t];
     for (size_t s = 0; s < cells->slices; s++)
       for (size_t k = first; k < end; k++)
         n += em_field_values(field, s * cells->per_slice + k);
-    if (cells->slices == 1) {
-      value = em_field_value(field, first, end, level);
-      if (minus) other = em_field_value(minus, first, end, level);
-    }
+    const struct em_interval value = em_field_tube_value(field, t, level);
     em_report_number(report, 1e3 * cells->edge[t]);
     em_report_number(report, 1e3 * cells->edge[t + 1]);
     em_report_count(report, (uint64_t)n);
     em_report_percent(report, field->total > 0.0 ? n / field->total : NAN);
     em_report_interval(report, &value);
-    if (minus) em_report_interval(report, &other);
+    if (minus) {
+      const struct em_interval other = em_field_tube_value(minus, t, level);
+      em_report_interval(report, &other);
+    }
   }
 }
 
@@ -131,6 +132,9 @@ static void facts(struct em_report *report, const struct em_field *field,
   if (minus) em_report_fact_text(report, "minus", "minus", "%s", o->minus);
   em_report_fact_text(report, "of", "map of", "%s [%s]", em_field_symbol(field->of),
                       em_field_unit(field->of));
+  char classes[EM_MILLPOST_CLASSES];
+  em_millpost_classes(o->classes, classes, sizeof classes);
+  if (o->classes) em_report_fact_text(report, "classes", "classes", "%s", classes);
   em_window_report(report, window);
   if (cells->kind == EM_CELLS_SECTORS)
     em_report_fact_text(report, "cells_kind", "cells", "%zu sectors in %zu tubes, %zu slice%s",
@@ -232,14 +236,14 @@ static void titles(struct em_plot_map *map, const struct em_field *field,
   map->equal = true;
   map->x_label = map->polar ? "x  [mm]" : "y, along the axis  [mm]";
   map->y_label = map->polar ? "z  [mm]" : "radius  [mm]";
-  map->diverging = minus && !o->spread && !o->relative;
+  map->diverging = minus && !o->relative;
   map->log_value = !map->diverging && !o->spread && !em_field_is_mean(field->of);
 }
 
 static enum em_status draw_slice(const struct em_run_file *run, const struct em_field *field,
                                  const struct em_field *minus, const struct em_millpost_options *o,
                                  size_t slice, const char *path, struct em_error *err) {
-  char title[160], value[160], subtitle[320];
+  char title[160], value[160], subtitle[400], classes[EM_MILLPOST_CLASSES];
   struct em_plot_map map = {.width = 0};
   struct em_plot_cell *cell = malloc(2 * field->cells->per_slice * sizeof *cell);
   double *values = malloc(2 * field->cells->per_slice * sizeof *values);
@@ -256,11 +260,13 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
     em_millpost_label(o->minus, b, sizeof b);
     snprintf(subtitle, sizeof subtitle, "%s minus %s", a, b);
   }
-  if (field->cells->slices > 1) {
-    const size_t used = strlen(subtitle);
+  em_millpost_classes(o->classes, classes, sizeof classes);
+  size_t used = strlen(subtitle);
+  if (o->classes) snprintf(subtitle + used, sizeof subtitle - used, " · %s", classes);
+  used = strlen(subtitle);
+  if (field->cells->slices > 1)
     snprintf(subtitle + used, sizeof subtitle - used, " · slice %zu of %zu", slice + 1,
              field->cells->slices);
-  }
   map.subtitle = subtitle;
   map.cell = cell;
   map.cell_count = fill(cell, values, field, minus, o, slice);
@@ -339,21 +345,41 @@ static int run_with(struct input *a, struct input *b, const struct em_millpost_o
   return em_millpost_print(report, o, EM_MILLPOST_DONE);
 }
 
+/* What does not go together; -1: everything does. */
+static int check(const struct em_millpost_options *o, enum em_field_of of) {
+  const char *name = em_field_name(of);
+  const bool rings = strcmp(o->cells, "rings") == 0;
+  if (o->classes && (of == EM_FIELD_COUNT || of == EM_FIELD_SPEED))
+    return em_millpost_usage("map",
+                             "--class: balls have none, expected it with hits vn energy or "
+                             "lost, not with --of %s",
+                             name);
+  if (o->spread && !em_field_is_mean(of))
+    return em_millpost_usage("map", "--spread: expected a mean, --of speed or vn, not %s", name);
+  if (o->spread && (o->minus || o->relative))
+    return em_millpost_usage("map", "--spread goes with neither --minus nor --relative");
+  if (rings && (o->slices || o->tubes || o->sectors))
+    return em_millpost_usage("map", "--slices, --tubes and --sectors are of --cells sectors");
+  if (!rings && o->rings) return em_millpost_usage("map", "--rings is of --cells rings");
+  if ((o->sectors ? o->sectors : 2500) < (o->tubes ? o->tubes : 25))
+    return em_millpost_usage("map", "fewer sectors than tubes");
+  return -1;
+}
+
 int em_millpost_map(int argc, char **argv) {
   struct em_millpost_options o;
-  const int code = em_millpost_options(&o, &help, argc, argv);
+  int code = em_millpost_options(&o, &help, argc, argv);
   if (code >= 0) return code;
   if (!o.cells || (strcmp(o.cells, "sectors") != 0 && strcmp(o.cells, "rings") != 0))
     return em_millpost_usage("map", "--cells must be sectors or rings");
-  int of = o.of ? em_field_find(o.of) : EM_FIELD_COUNT;
+  const int of = o.of ? em_field_find(o.of) : o.classes ? EM_FIELD_HITS : EM_FIELD_COUNT;
   if (of < 0)
     return em_millpost_usage("map",
                              "unknown quantity '%s', expected count hits speed vn energy or "
                              "lost",
                              o.of);
-  if (of == EM_FIELD_COUNT && o.classes) of = EM_FIELD_HITS;
-  const long tubes = o.tubes ? o.tubes : 25, sectors = o.sectors ? o.sectors : 2500;
-  if (sectors < tubes) return em_millpost_usage("map", "fewer sectors than tubes");
+  code = check(&o, (enum em_field_of)of);
+  if (code >= 0) return code;
   struct input a = {NULL, NULL, {0}}, b = {NULL, NULL, {0}};
   const int result = run_with(&a, &b, &o, (enum em_field_of)of);
   em_field_free(a.field);

@@ -38,7 +38,9 @@ static const struct em_millpost_option options[] = {
     OPTION("sectors", "N", "number of sectors of a slice; default: 2500", WHOLE, sectors),
     OPTION("rings", "N", "least number of rings; default: 2000", WHOLE, rings),
     OPTION("minus", "RUN", "subtract the map of another run", TEXT, minus),
-    OPTION("spread", NULL, "map the relative standard deviation instead of the mean", FLAG, spread),
+    OPTION("spread", NULL,
+           "map the relative standard deviation of speeds or v_n instead of the mean", FLAG,
+           spread),
     OPTION("relative", NULL, "map the confidence interval of the mean, relative to the mean", FLAG,
            relative),
     OPTION("match", "FIGURE", "what to hold fixed: median-vn or rate-above", TEXT, match),
@@ -98,7 +100,6 @@ static struct em_millpost_options defaults(void) {
   return (struct em_millpost_options){.from = NAN,
                                       .to = NAN,
                                       .above = NAN,
-                                      .below = NAN,
                                       .at = NAN,
                                       .target = NAN,
                                       .level = 0.95,
@@ -137,6 +138,15 @@ int em_millpost_print(struct em_report *report, const struct em_millpost_options
     code = em_millpost_fail(&err);
   em_report_free(report);
   return code;
+}
+
+void em_millpost_classes(unsigned classes, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = '\0';
+  for (int k = 0; k < EM_CLASS_COUNT && used < size; k++)
+    if (classes & 1U << k)
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "",
+                               em_contact_class_name((enum em_class)k));
 }
 
 void em_millpost_label(const char *path, char *label, size_t size) {

@@ -117,6 +117,33 @@ assert n.sum() == len(vn)
 assert abs((n * x).sum() / vn.sum() - 1) < 1e-6
 ' map "$one" --cells rings --of vn --from 0.1; }
 check "a map of v_n adds up" map_vn
+map_speed() { agrees "$one" '
+f = h["particles/balls"]
+time = f["velocity/time"][...]
+v = np.linalg.norm(f["velocity/value"][...][time >= 0.1], axis=2)
+tubes, cells = result["tubes"], result["cells"]
+assert sum(t["values"] for t in tubes) == v.size
+assert abs(sum(t["values"] * t["value"] for t in tubes) / v.sum() - 1) < 1e-6
+assert sum(c["relative_sigma"] is not None for c in cells) > 100
+' map "$one" --cells sectors --sectors 100 --tubes 5 --slices 3 --of speed --from 0.1; }
+check "tubes sum up their slices" map_speed
+sigma() { agrees "$one" '
+assert all(c["relative_sigma"] is None for c in result["cells"])
+' map "$one" --cells sectors --from 0.1 "$@"; }
+for of in count hits energy; do
+  check "there is no spread of $of" sigma --of $of
+done
+check "there is no spread of a difference" sigma --of speed --minus "$fast"
+script() { # PATTERN COMMAND...: is it in the script of the diagram?
+  local pattern=$1
+  shift
+  post "$@" -o "$work/diagram.gp" && grep -q -- "$pattern" "$work/diagram.gp"
+}
+check "a map names its classes" script "· ball-ball, ball-blade" \
+  map "$one" --cells sectors --of vn --class ball-ball,ball-blade
+check "a histogram names its class" script "· ball-blade" hist "$one" --class ball-blade
+check "a comparison names its class" script "2 runs · ball-blade" \
+  hist "$one" "$plain" --class ball-blade
 check "a difference of two maps" post map "$one" --minus "$fast" --cells sectors --of speed --from 0.1
 
 power() { agrees "$one" '
@@ -248,6 +275,15 @@ expect 2 "" "not a number" post hist "$one" --from never
 expect 2 "" "an empty window" post hist "$one" --from 3
 expect 2 "" "a quantity that needs the table" post hist "$plain" --of vt
 expect 2 "" "cells of no kind" post map "$one" --cells cubes
+expect 2 "balls have none" "classes of a count" post map "$one" --cells rings --of count --class ball-ball
+expect 2 "balls have none" "classes of speeds" post hist "$one" --of speed --class ball-ball
+for of in count hits energy; do
+  expect 2 "expected a mean" "the spread of $of" post map "$one" --cells rings --of $of --spread
+done
+expect 2 "goes with neither" "the spread of a difference" \
+  post map "$one" --cells rings --of vn --spread --minus "$fast"
+expect 2 "of --cells sectors" "slices of rings" post map "$one" --cells rings --slices 5
+expect 2 "of --cells rings" "rings of sectors" post map "$one" --cells sectors --rings 50
 expect 2 "" "a map of a box" post map "$gas" --cells rings --slices 0
 expect 1 "" "a run that is not there" post info "$work/nowhere.h5"
 echo "this is no run" >"$work/text.h5"
