@@ -125,3 +125,7 @@ double em_balance_energy_at(const struct em_balance *balance, size_t k) {
 double em_balance_dissipated_at(const struct em_balance *balance, size_t k) {
   return dissipated(balance, k, k + 1);
 }
+
+double em_balance_drum_at(const struct em_balance *balance, size_t k) {
+  return growth(&balance->drum, k, k + 1) / step(balance, k, k + 1);
+}

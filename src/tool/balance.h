@@ -37,5 +37,6 @@ double em_balance_dissipated(const struct em_balance *balance); /* W, all classe
 double em_balance_torque_at(const struct em_balance *balance, size_t k);
 double em_balance_energy_at(const struct em_balance *balance, size_t k);
 double em_balance_dissipated_at(const struct em_balance *balance, size_t k);
+double em_balance_drum_at(const struct em_balance *balance, size_t k); /* the drum's, by work */
 
 #endif

@@ -180,46 +180,61 @@ static void blade_table(struct em_report *report, const struct em_balance *b, do
 
 /* ---------------------------------------------------------------- diagram */
 
+/* The curves that can be drawn, and how much power one has between two samples. */
+static const struct curve {
+  const char *name;
+  enum em_plot_style style;
+  double (*at)(const struct em_balance *balance, size_t k);
+} curves[] = {{"dissipated", EM_PLOT_LINE, em_balance_dissipated_at},
+              {"drum", EM_PLOT_LINE, em_balance_drum_at},
+              {"blades, by torque", EM_PLOT_LINE, em_balance_torque_at},
+              {"blades, by energy balance", EM_PLOT_DASHED, em_balance_energy_at}};
+
+enum { CURVES = sizeof curves / sizeof *curves };
+
+static bool is_shown(const struct em_balance *b, const struct curve *curve) {
+  if (curve->at == em_balance_dissipated_at) return true;
+  return curve->at == em_balance_drum_at ? b->drum.count > 0 : b->blades > 0;
+}
+
 static enum em_status draw(const struct em_run_file *run, const struct em_balance *b,
                            const char *path, struct em_error *err) {
   const size_t n = b->lost.count - 1, group = n > 400 ? n / 200 : 1, points = n / group;
-  double *cell = malloc(4 * points * sizeof *cell);
-  if (!cell) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  double *t = cell, *torque = cell + points, *energy = cell + 2 * points, *lost = cell + 3 * points;
-  for (size_t k = 0; k < points; k++) {
+  double *t = calloc((1 + CURVES) * points, sizeof *t), low = 0.0, high = 0.0;
+  if (!t) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+  for (size_t k = 0; k < points; k++)
     t[k] = 0.5 * (b->lost.time[k * group] + b->lost.time[(k + 1) * group]);
-    torque[k] = energy[k] = lost[k] = 0.0;
-    for (size_t j = k * group; j < (k + 1) * group; j++) {
-      torque[k] += em_balance_torque_at(b, j) / (double)group;
-      energy[k] += em_balance_energy_at(b, j) / (double)group;
-      lost[k] += em_balance_dissipated_at(b, j) / (double)group;
+  struct em_plot_series series[CURVES];
+  size_t count = 0;
+  for (size_t c = 0; c < CURVES; c++) {
+    if (!is_shown(b, &curves[c])) continue;
+    double *power = t + (1 + count) * points;
+    for (size_t k = 0; k < points; k++) {
+      for (size_t j = k * group; j < (k + 1) * group; j++)
+        power[k] += curves[c].at(b, j) / (double)group;
+      low = fmin(low, power[k]);
+      high = fmax(high, power[k]);
     }
+    series[count++] = (struct em_plot_series){
+        .name = curves[c].name, .style = curves[c].style, .count = points, .x = t, .y = power};
   }
-  double low = 0.0, high = 0.0;
-  for (size_t k = 0; k < 3 * points; k++) {
-    low = fmin(low, torque[k]);
-    high = fmax(high, torque[k]);
-  }
-  const struct em_plot_series series[] = {
-      {.name = "dissipated", .style = EM_PLOT_LINE, .count = points, .x = t, .y = lost},
-      {.name = "blades, by torque", .style = EM_PLOT_LINE, .count = points, .x = t, .y = torque},
-      {.name = "blades, by energy balance",
-       .style = EM_PLOT_DASHED,
-       .count = points,
-       .x = t,
-       .y = energy}};
+  const bool rotor = b->blades > 0, drum = b->drum.count > 0;
   char subtitle[256];
   em_plot_subtitle(em_run_file_scene(run), subtitle, sizeof subtitle);
-  const struct em_plot plot = {.title = "Power of the rotor and dissipation",
+  const struct em_plot plot = {.title = rotor && drum
+                                            ? "Power of the rotor and the drum, and dissipation"
+                                        : rotor ? "Power of the rotor and dissipation"
+                                        : drum  ? "Power of the drum and dissipation"
+                                                : "Dissipation",
                                .subtitle = subtitle,
                                .x_label = "time  [s]",
                                .y_label = "power  [W]",
                                .y_low = 1.1 * low,
                                .y_high = 1.3 * high, /* room for the names */
-                               .series_count = b->blades > 0 ? 3 : 1,
+                               .series_count = count,
                                .series = series};
   const enum em_status status = em_plot_draw(&plot, path, err);
-  free(cell);
+  free(t);
   return status;
 }
 

@@ -155,6 +155,11 @@ assert abs(result["power"] / ((w[k][-1] - w[k][0]) / (tt[k][-1] - tt[k][0])) - 1
 assert abs(sum(b["power"] for b in result["blades"]) / result["power"] - 1) < 1e-9
 ' power "$one" --from 0.1; }
 check "power agrees in all three ways" power
+turning=$work/turning.h5
+run geometries/ideal-gas.cfg balls.count=300 duration=0.05 chamber.rpm=300 contact.rule=reichardt2005 \
+  contact.tangential=0.5 -o "$turning"
+check "power of a turning drum is drawn" script "title 'drum'" power "$turning" --from 0
+check "under its name" grep -q "Power of the drum and dissipation" "$work/diagram.gp"
 check "power without a table" post power "$plain" --from 0.1
 check "steady" post steady "$one"
 
