@@ -17,10 +17,11 @@ struct em_show_options {
   size_t trail[EM_SHOW_TRAILS]; /* indices of balls that leave a trail */
   double trail_time;            /* s, how long it is */
   double mark_time;             /* s, how long a collision is marked; 0: not */
+  bool classes;                 /* the states tell the balls' last contacts */
 };
 
-/* The file must outlive the show. Errors: EM_INPUT (no frames, no such ball; marks without a
- * collision table), EM_MEMORY, those of the file. */
+/* The file must outlive the show. Errors: EM_INPUT (no frames, no such ball; marks or
+ * classes without a collision table), EM_MEMORY, those of the file. */
 enum em_status em_show_new(struct em_show **show, const struct em_run_file *file,
                            const struct em_show_options *options, struct em_error *err);
 void em_show_free(struct em_show *show);

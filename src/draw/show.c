@@ -36,6 +36,10 @@ enum em_status em_show_new(struct em_show **show, const struct em_run_file *file
     return em_error_set(err, EM_INPUT, path, 0,
                         "collisions cannot be marked: the run has no collision table "
                         "(record.collisions)");
+  if (options->classes && !em_run_file_has_rows(file))
+    return em_error_set(err, EM_INPUT, path, 0,
+                        "balls cannot be coloured by class: the run has no collision table "
+                        "(record.collisions)");
   struct em_show *made = calloc(1, sizeof *made);
   if (made == NULL) return em_error_set(err, EM_MEMORY, path, 0, "no memory to show the run");
   made->file = file;

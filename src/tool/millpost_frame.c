@@ -63,17 +63,19 @@ static enum em_status draw_triple(struct em_picture *picture, struct em_show *sh
 static enum em_status draw(const struct em_millpost_look *look, const struct em_run_file *run,
                            struct em_show *show, const char *out, struct em_error *err) {
   const struct em_scene *scene = em_run_file_scene(run);
-  const double at = isfinite(look->at) ? look->at : em_show_last(show);
+  const bool triple = isfinite(look->triple);
+  const double after = triple ? 2.0 * look->triple : 0.0; /* s, to the last of the moments */
+  const double at = isfinite(look->at) ? look->at : em_show_last(show) - after;
   struct em_picture_state state;
   struct em_picture *picture = NULL;
   const double slack = 1e-9 * (1.0 + fabs(em_show_last(show)));
-  if (at < em_show_first(show) - slack || at > em_show_last(show) + slack)
-    return em_error_set(err, EM_INPUT, look->run, 0, "--at %g: the run has frames from %g to %g s",
-                        at, em_show_first(show), em_show_last(show));
+  if (at < em_show_first(show) - slack || at + after > em_show_last(show) + slack)
+    return em_error_set(err, EM_INPUT, look->run, 0,
+                        "a picture of %g to %g s: the run has frames from %g to %g s", at,
+                        at + after, em_show_first(show), em_show_last(show));
   enum em_status status = em_show_at(show, at, &state, err);
   if (status != EM_OK) return status;
   struct em_picture_options options = em_millpost_look_picture(look, scene, state.balls);
-  const bool triple = isfinite(look->triple);
   if (triple) {
     if (look->by < 0) options.by = EM_PICTURE_PLAIN;
     options.dark = true;

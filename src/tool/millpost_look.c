@@ -98,7 +98,8 @@ static int read_map(void *place, const char *command, const char *option, const 
 }
 
 static const struct em_millpost_option options[] = {
-    OPTION("at", "T", "the moment, in seconds; default: the last frame", NUMBER, at),
+    OPTION("at", "T", "the moment, in seconds; default: the last one that can be shown", NUMBER,
+           at),
     OPTION("triple", "DT", "three moments, DT seconds apart, as red, green and blue", POSITIVE,
            triple),
     OPTION("from", "T", "begin at T seconds; default: the first frame", NUMBER, from),
@@ -207,6 +208,10 @@ int em_millpost_look_read(struct em_millpost_look *look, enum em_millpost_kind k
   const int code = em_millpost_line_read(look, &line, help, argc, argv, &words, &word);
   if (code >= 0) return code;
   look->run = word[0];
+  if (isfinite(look->triple) && (look->by == EM_PICTURE_CLASS || look->by == EM_PICTURE_SPECIES))
+    return em_millpost_usage(help->name, "--triple uses up the colours: --colour %s cannot be seen",
+                             em_picture_name((enum em_picture_by)look->by));
+  look->show.classes = look->by == EM_PICTURE_CLASS;
   return -1;
 }
 

@@ -33,6 +33,7 @@ for command in frame film; do
   expect 2 "no frames" "$command of a run without frames" "$post" $command "$still"
   expect 1 "" "$command of no file" "$post" $command "$work/none.h5"
   expect 1 "" "$command of a foreign file" "$post" $command README.md
+  expect 2 "no collision table" "$command --colour class" "$post" $command "$plain" --colour class
   expect 1 "cannot be written" "$command into nowhere" "$post" $command "$run" -o /nowhere/x$ending
   expect 2 "must end in $ending" "$command to another format" "$post" $command "$run" -o "$work/x.avi"
 done
@@ -40,6 +41,16 @@ mkfifo "$work/pipe.mp4"
 expect 2 "expected a regular file" "a film into a pipe" "$post" film "$run" -o "$work/pipe.mp4"
 is "which stays" 0 "$([ -p "$work/pipe.mp4" ]; echo $?)"
 expect 2 "the run has frames from 0 to 0.01" "--at beyond the end" "$post" frame "$run" --at 0.5
+expect 2 "0.0085 to 0.0105 s: the run has frames" "--triple beyond the end" \
+  "$post" frame "$run" --at 0.0085 --triple 0.001
+for what in class species; do
+  expect 2 "cannot be seen" "three moments by $what" \
+    "$post" frame "$run" --triple 0.001 --colour $what -o "$work/x.png"
+done
+triple=(--triple 0.001 --size 320x200 --quiet)
+expect 0 "" "the last three moments" "$post" frame "$run" "${triple[@]}" -o "$work/three.png"
+"$post" frame "$run" "${triple[@]}" --at 0.008 -o "$work/late.png"
+is "are those" 0 "$(cmp -s "$work/three.png" "$work/late.png"; echo $?)"
 expect 0 "drawn by" "a picture" "$post" frame "$run" --at 0.0053 --size 400x300 -o "$work/a.png"
 is "its size" 400,300 "$(picture "$work/a.png")"
 "$post" frame "$run" --at 0.0053 --size 400x300 --quiet -o "$work/b.png"
