@@ -104,17 +104,18 @@ struct em_engine {
   int slices;            /* for `slices`; 0: as many as fit, at most 26. Default: 0 */
   double skin;           /* for `neighbours`, in ball diameters; 0: chosen. Default: 0 */
   bool simd;             /* work by vectors; same bits. Default: true */
-  int lanes;             /* doubles of a vector: 4, 8; 0: what the processor has. Default: 0 */
+  int lanes;             /* doubles of a vector: 4 or 8; 0: what the processor has. Default: 0 */
   struct em_roots roots; /* Defaults: those of the accuracy level */
 };
 
-/* Remedies of spec section 4; each is off (0) unless asked for, and counted. */
+/* Against collapse and jams; what a remedy does is counted. */
 struct em_remedy {
   double tc;            /* s: a contact within tc of the ball's last one is elastic. Default: 0 */
   double elastic_below; /* m/s: contacts slower than this are elastic. Default: 0 */
   int jam_after;        /* contacts in a row after which the tangential part is left out; 0: off.
-                           Default: 5 where a blade moves, else 0 */
-  double jam_within;    /* s, between contacts in a row. Default: 1e-8 */
+                           Default: 5 where a blade moves and contacts are not smooth, else 0 */
+  double jam_within;    /* s, between contacts in a row. Default: 1e-8, or the time in which a ball
+                           at the typical speed flies 1e-5 of the smallest diameter, if less */
   uint32_t collapse_after; /* contacts in a row at which the run stops as collapsed.
                               Default: 100000 */
 };

@@ -97,7 +97,7 @@ static void set_times(struct em_world *w) {
   const double speed = em_scene_typical_speed(w->scene);
   const double d = w->count ? 2.0 * w->smallest : em_vec_norm(em_vec_sub(w->high, w->low));
   w->epoch_length = exp2(nearbyint(log2(64.0 * d / speed)));
-  w->within = fmin(w->scene->remedy.jam_within, 1e-5 * d / speed);
+  w->within = w->scene->remedy.jam_within;
 }
 
 static bool take_arrays(struct em_world *w, bool spin, bool mixed) {

@@ -43,12 +43,30 @@ static bool any_rough(const struct em_scene *scene) {
   return false;
 }
 
+/* The smallest diameter (m) of any ball; where there is none, the chamber's extent. */
+static double smallest_diameter(const struct em_scene *scene) {
+  double d = INFINITY;
+  for (size_t k = 0; k < scene->species_count; ++k)
+    if (scene->species[k].count > 0) d = fmin(d, scene->species[k].diameter);
+  struct em_vec low, high;
+  em_scene_bounds(scene, &low, &high);
+  return isfinite(d) ? d : em_vec_norm(em_vec_sub(high, low));
+}
+
+/* What the scene does not say of its remedies follows from the rest of it. */
+static void complete_remedy(struct em_scene *scene) {
+  struct em_remedy *r = &scene->remedy;
+  if (r->jam_after < 0) r->jam_after = any_moves(scene) && any_rough(scene) ? 5 : 0;
+  if (r->jam_within < 0.0)
+    r->jam_within = fmin(1e-8, 1e-5 * smallest_diameter(scene) / em_scene_typical_speed(scene));
+}
+
 /* Fills and checks a scene from its tree. */
 static void build(struct em_scene_report *report, struct em_scene *scene) {
   em_scene_fill_all(report, scene);
-  if (scene->remedy.jam_after < 0)
-    scene->remedy.jam_after = any_moves(scene) && any_rough(scene) ? 5 : 0;
-  if (report->errors == 0) em_scene_check_all(report, scene);
+  if (report->errors > 0) return;
+  complete_remedy(scene);
+  em_scene_check_all(report, scene);
 }
 
 /* Reads the joined text into the tree, puts the overrides in, builds. */

@@ -79,7 +79,18 @@ bool em_scene_fill_vector(struct em_scene_report *report, const config_setting_t
   return true;
 }
 
+static int spelt(const struct em_scene_entry *entry, const char *name) {
+  for (int k = 0; entry->names[k]; ++k)
+    if (strcmp(entry->names[k], name) == 0) return k;
+  return -1;
+}
+
 static bool in_range(const struct em_scene_entry *entry, double x) {
+  if (entry->names) {
+    char text[32];
+    snprintf(text, sizeof text, "%.0f", x);
+    return spelt(entry, text) >= 0;
+  }
   return x >= entry->low && x <= entry->high && !(entry->above && x == entry->low);
 }
 
@@ -108,12 +119,6 @@ static void store(const struct em_scene_entry *entry, double x, void *out) {
   default:
     break;
   }
-}
-
-static int spelt(const struct em_scene_entry *entry, const char *name) {
-  for (int k = 0; entry->names[k]; ++k)
-    if (strcmp(entry->names[k], name) == 0) return k;
-  return -1;
 }
 
 static void fill_name(struct em_scene_report *report, const struct em_scene_entry *entry,
@@ -375,7 +380,8 @@ void em_scene_fill_all(struct em_scene_report *report, struct em_scene *scene) {
   em_scene_fill_contacts(report, scene);
   fill_plain(report, &em_scene_table_engine, &scene->engine);
   fill_accuracy(report, &scene->engine);
-  scene->remedy.jam_after = -1; /* decided when the scene is complete */
+  scene->remedy.jam_after = -1; /* both decided when the scene is complete */
+  scene->remedy.jam_within = -1.0;
   fill_plain(report, &em_scene_table_remedy, &scene->remedy);
   fill_plain(report, &em_scene_table_record, &scene->record);
 }

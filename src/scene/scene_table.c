@@ -16,6 +16,7 @@ static const char *const quartics[] = {EM_QUARTIC_LIST(SPELLING) NULL};
 static const char *const searches[] = {EM_SEARCH_LIST(SPELLING) NULL};
 static const char *const polishes[] = {EM_POLISH_LIST(SPELLING) NULL};
 static const char *const tips[] = {EM_TIP_LIST(SPELLING) NULL};
+static const char *const lanes[] = {"0", "4", "8", NULL};
 static const char *const rules[] = {EM_RULE_LIST(SPELLING) NULL};
 const char *const em_scene_table_classes[] = {EM_CLASS_LIST(SPELLING) NULL};
 const char *const em_scene_table_laws[] = {EM_LAW_LIST(SPELLING) NULL};
@@ -203,8 +204,8 @@ static const struct em_scene_entry engine[] = {
      "for partition \"neighbours\"; 0: chosen"},
     {"simd", EM_KIND_BOOLEAN, AT(em_engine, simd), "true", ANY, "",
      "pairs and partners by vectors; the same results without"},
-    {"lanes", EM_KIND_INTEGER, AT(em_engine, lanes), "0", RANGE(0, 8), "numbers",
-     "of a vector, 4 or 8; 0: as many as the processor has"},
+    {"lanes", EM_KIND_INTEGER, AT(em_engine, lanes), "0", ONE_OF(lanes), "",
+     "numbers of a vector; 0: as many as the processor has"},
 };
 TABLE(engine, "engine", engine);
 
@@ -216,8 +217,9 @@ static const struct em_scene_entry remedy[] = {
     {"jam_after", EM_KIND_INTEGER, AT(em_remedy, jam_after), NULL, RANGE(0, 1e9), "contacts",
      "in a row after which the tangential part is left out; 0: off; default: 5 where a blade moves "
      "and contacts are not smooth, else 0"},
-    {"jam_within", EM_KIND_REAL, AT(em_remedy, jam_within), "1e-8", FROM(0), "s",
-     "between contacts in a row"},
+    {"jam_within", EM_KIND_REAL, AT(em_remedy, jam_within), NULL, FROM(0), "s",
+     "between contacts in a row; default: 1e-8, or the time in which a ball at the scene's typical "
+     "speed flies 1e-5 of the smallest diameter, if that is less"},
     {"collapse_after", EM_KIND_U32, AT(em_remedy, collapse_after), "100000", RANGE(1, 4294967295.0),
      "contacts", "in a row at which the run stops as collapsed"},
 };
@@ -304,11 +306,13 @@ static void expects_range(const struct em_scene_entry *entry, size_t size, char 
     snprintf(text, size, entry->above ? " above %.10g" : " not below %.10g", entry->low);
 }
 
-static void expects_name(const struct em_scene_entry *entry, size_t size, char *text) {
+/* The names of an entry, each between `quote`s: "a", "b" or "c". */
+static void expects_name(const struct em_scene_entry *entry, const char *quote, size_t size,
+                         char *text) {
   size_t used = 0;
   for (const char *const *name = entry->names; *name && used < size; ++name) {
     const char *joint = name == entry->names ? "" : name[1] ? ", " : " or ";
-    used += (size_t)snprintf(text + used, size - used, "%s\"%s\"", joint, *name);
+    used += (size_t)snprintf(text + used, size - used, "%s%s%s%s", joint, quote, *name, quote);
   }
 }
 
@@ -325,7 +329,10 @@ void em_scene_table_expects(const struct em_scene_entry *entry, size_t size, cha
   case EM_KIND_COUNT:
   case EM_KIND_U32:
   case EM_KIND_U64:
-    snprintf(text, size, "an integer%s", range);
+    if (entry->names)
+      expects_name(entry, "", size, text);
+    else
+      snprintf(text, size, "an integer%s%s", range, unit);
     break;
   case EM_KIND_BOOLEAN:
     snprintf(text, size, "true or false");
@@ -334,7 +341,7 @@ void em_scene_table_expects(const struct em_scene_entry *entry, size_t size, cha
     snprintf(text, size, "a text of at most %zu bytes", entry->size - 1);
     break;
   case EM_KIND_NAME:
-    expects_name(entry, size, text);
+    expects_name(entry, "\"", size, text);
     break;
   case EM_KIND_VECTOR:
     snprintf(text, size, "three numbers [x, y, z]%s%s", range[0] ? ", each" : "", range);

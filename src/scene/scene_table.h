@@ -29,7 +29,7 @@ struct em_scene_entry {
   const char *fallback;     /* default as text; NULL: none, or filled in by other means */
   double low, high;         /* range, both ends included ... */
   bool above;               /* ... but for `low` where this is set */
-  const char *const *names; /* NULL-terminated */
+  const char *const *names; /* NULL-terminated: all values that a name, or an integer, may have */
   const char *unit, *help;
 };
 

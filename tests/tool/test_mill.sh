@@ -74,6 +74,8 @@ cp "$work/err" "$work/advice"
 check "of a table, only a new begin is advised" bash -c "
   ! grep -q 'resume\|balls.start' '$work/advice' && grep -q 'begin anew with a remedy' '$work/advice'"
 check "and is told in the file" bash -c "h5dump -a /eventmill/end '$work/ball.h5' | grep -q collapse"
+expect 1 "each within 1 s of the one before" "remedy.jam_within is taken as given" \
+  "$mill" run "${small[@]}" duration=0.01 remedy.jam_within=1 remedy.collapse_after=2 -o none -q
 
 gliding=(geometries/simoloyer-2l.cfg balls.count=100 -q)
 expect 1 "begin anew with a remedy" "few balls glide" "$mill" run "${gliding[@]}" duration=3 -o "$work/glide.h5"

@@ -402,7 +402,41 @@ static void sizes_and_speeds(void **state) {
   em_scene_free(s);
 }
 
-/* The reference in docs/scenes.md must name each entry with what it expects and its default. */
+/* What a scene does not say of its remedies goes by its balls; what it says is kept. */
+static void defaults_of_remedies(void **state) {
+  (void)state;
+  static const struct {
+    const char *text;
+    double within;
+  } cases[] = {
+      {"balls = { count = 9; diameter = 1e-3; speed = 4; };", 1e-5 * 1e-3 / 4.0},
+      {"balls = ({ count = 9; diameter = 1e-3; speed = 4; }, { count = 9; diameter = 1e-4; },"
+       "{ count = 0; diameter = 1e-5; });",
+       1e-5 * 1e-4 / 4.0},
+      {"balls = { count = 9; diameter = 0.005; };", 1e-8},
+      {"balls = { count = 9; diameter = 1e-4; }; remedy = { jam_within = 1e-3; };", 1e-3},
+      {"balls = { count = 9; diameter = 1e-4; }; remedy = { jam_within = 0; };", 0.0},
+  };
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+    char text[400];
+    snprintf(text, sizeof text, "gravity = \"none\"; %s %s", DRUM, cases[k].text);
+    struct em_scene *s = parse(text);
+    assert_true(s->remedy.jam_within == cases[k].within);
+    em_scene_free(s);
+  }
+}
+
+/* "| `path.name` | default | expects | meaning |" */
+static void reference_row(const struct em_scene_table *table, const struct em_scene_entry *e,
+                          size_t size, char *row) {
+  char expects[400];
+  em_scene_table_expects(e, sizeof expects, expects);
+  snprintf(row, size, "\n| `%s%s%s` | %s | %s | %s |\n", table->path, table->path[0] ? "." : "",
+           e->name, e->fallback ? e->fallback : "", expects,
+           e->kind == EM_KIND_SPECIAL ? "" : e->help);
+}
+
+/* The reference in docs/scenes.md must have the row of each entry, and each law's parameters. */
 static void the_reference_names_every_entry(void **state) {
   (void)state;
   FILE *file = fopen("docs/scenes.md", "r");
@@ -413,14 +447,21 @@ static void the_reference_names_every_entry(void **state) {
   fclose(file);
   for (const struct em_scene_table *const *t = em_scene_table_all; *t; ++t)
     for (size_t k = 0; k < (*t)->count; ++k) {
-      const struct em_scene_entry *e = &(*t)->entry[k];
-      char line[700], expects[400];
-      em_scene_table_expects(e, sizeof expects, expects);
-      snprintf(line, sizeof line, "| `%s%s%s` | %s |", (*t)->path, (*t)->path[0] ? "." : "",
-               e->name, e->fallback && e->fallback[0] ? e->fallback : "");
-      if (!strstr(text, line) || !strstr(text, expects))
-        fail_msg("docs/scenes.md lacks %s ... %s", line, expects);
+      char row[1200];
+      reference_row(*t, &(*t)->entry[k], sizeof row, row);
+      if (!strstr(text, row)) fail_msg("docs/scenes.md lacks %s", row);
     }
+  for (char *p = text; *p; ++p)
+    if (*p == '\n') *p = ' ';
+  for (int law = 0; law < EM_LAW_COUNT; ++law) {
+    char words[200];
+    snprintf(words, sizeof words, "`%s` (", em_contact_law_name((enum em_law)law));
+    for (int k = 0; k < em_contact_law_size((enum em_law)law); ++k)
+      snprintf(words + strlen(words), sizeof words - strlen(words), "%s%s", k > 0 ? ", " : "",
+               em_contact_law_parameter((enum em_law)law, k));
+    strcat(words, ")");
+    if (!strstr(text, words)) fail_msg("docs/scenes.md lacks %s", words);
+  }
   free(text);
 }
 
@@ -437,6 +478,7 @@ int main(void) {
       cmocka_unit_test(odd_angles_read_back_to_the_same_bits),
       cmocka_unit_test(a_scene_has_only_the_effects_it_calls_for),
       cmocka_unit_test(sizes_and_speeds),
+      cmocka_unit_test(defaults_of_remedies),
       cmocka_unit_test(the_reference_names_every_entry),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
