@@ -159,11 +159,7 @@ static enum em_status begin(struct em_world **world, const struct em_scene *scen
   set_balls(w, balls);
   set_times(w);
   w->loop = em_loop_find(flags_of(effects) | set_roots(w), lanes_of(&scene->engine));
-  if (!w->loop) {
-    em_world_free(w);
-    return em_error_set(err, EM_INPUT, scene->file, 0,
-                        "chamber.periodic: a rotor does not turn in a periodic box");
-  }
+  assert(w->loop); /* a scene has no rotor in a periodic box */
   *world = w;
   return EM_OK;
 }

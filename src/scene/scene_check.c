@@ -55,12 +55,9 @@ static void check_walls(struct em_scene_report *report, const struct em_scene *s
   for (int k = 0; k < 3; ++k)
     for (int side = 0; side < 2; ++side) {
       char wall[64];
-      bool end = k == 1, periodic = !drum && scene->chamber.periodic[k];
-      if (drum && !end) continue;
-      snprintf(wall, sizeof wall, "%s at the %s end of %c",
-               periodic ? "periodic boundary"
-               : end    ? "end wall"
-                        : "wall",
+      bool end = k == 1;
+      if ((drum && !end) || (!drum && scene->chamber.periodic[k])) continue;
+      snprintf(wall, sizeof wall, "%s at the %s end of %c", end ? "end wall" : "wall",
                side ? "upper" : "lower", axis_name[k]);
       check_wall_gap(report, path, wall, em_scene_gap_plane(&body, scene, k, side), d);
     }
@@ -73,6 +70,13 @@ static void check_pair(struct em_scene_report *report, const struct em_scene *sc
   char path[64], other[64];
   blade_path(scene, ra, ba, sizeof path, path);
   blade_path(scene, rb, bb, sizeof other, other);
+static void check_periodic(struct em_scene_report *report, const struct em_scene *scene) {
+  const bool *p = scene->chamber.periodic;
+  if (em_scene_blade_count(scene) > 0 && (p[0] || p[1] || p[2]))
+    em_scene_report_path(report, "chamber.periodic",
+                         "a rotor does not turn in a periodic box, expected false, or no blades");
+}
+
   em_scene_report_path(report, path, "touches %s, expected blades that never touch each other",
                        other);
 }
@@ -206,6 +210,7 @@ static void check_facets(struct em_scene_report *report, const struct em_chamber
                          "a drum with facets neither turns nor has ramps, expected one of these "
                          "alone");
 }
+  check_periodic(report, scene);
 
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
   size_t before = report->errors;
