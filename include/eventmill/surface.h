@@ -49,12 +49,10 @@ struct em_blade {
 };
 
 const char *em_surface_tip_name(enum em_tip tip);
-int em_surface_tip_find(const char *name);
 const char *em_surface_quartic_name(enum em_quartic solver);
-int em_surface_quartic_find(const char *name);
 
 /* Two balls on a straight relative path: r, v relative position (m) and velocity (m/s), sigma the
- * sum of the radii. Spec 3.1; cancellation-free root c/(−b+√(b²−v²c)). */
+ * sum of the radii. The root without cancellation, c/(−b+√(b²−v²c)). */
 static inline double em_surface_pair(struct em_vec r, struct em_vec v, double sigma) {
   const double b = em_vec_dot(r, v);
   if (!(b < 0.0)) return INFINITY;

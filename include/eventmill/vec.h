@@ -22,6 +22,11 @@ static inline struct em_vec em_vec_make(double x, double y, double z) {
   return (struct em_vec){x, y, z};
 }
 
+/* Along x, y or z: k = 0, 1, 2. */
+static inline double em_vec_component(struct em_vec a, int k) {
+  return k == 0 ? a.x : k == 1 ? a.y : a.z;
+}
+
 static inline struct em_vec em_vec_add(struct em_vec a, struct em_vec b) {
   return (struct em_vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }

@@ -107,7 +107,6 @@ size_t em_world_blade_count(const struct em_world *world);
 uint64_t em_world_collisions(const struct em_world *world);
 const struct em_tally *em_world_tally(const struct em_world *world);
 const struct em_blade_tally *em_world_blade_tally(const struct em_world *world, size_t blade);
-double em_world_blade_angle(const struct em_world *world, size_t blade, double time); /* rad */
 
 /* The state of all balls at `time` ≥ the world's time, as long as no event is due before: fills
  * balls (made by em_start_new with the world's count). Periodic positions are inside the box. */
@@ -130,8 +129,8 @@ enum em_status em_world_resume(struct em_world **world, const struct em_scene *s
 struct em_snapshot *em_world_snapshot_new(uint32_t count, uint32_t blade_count, bool spin);
 void em_world_snapshot_free(struct em_snapshot *snapshot);
 
-/* For `mill check`: the name of the loop's variant ("gravity+spin+rotor, avx2"), and the bytes that
- * a ball takes. */
+/* For `mill check`: the name of the loop's variant ("gravity+spin+rotor+remedies"), and the bytes
+ * that a ball takes. */
 const char *em_world_variant(const struct em_world *world);
 double em_world_bytes_per_ball(const struct em_world *world);
 /* Of these, the bytes for the events that a ball waits for. */

@@ -65,7 +65,7 @@ struct em_world {
   double drum_omega;    /* rad/s */
   uint32_t facets;      /* flat sides of the drum; 0: round */
   struct em_vec *facet; /* their inward normals; NULL: none */
-  bool vectors;         /* pairs four at a time */
+  bool vectors;         /* pairs eight or four at a time, if the loop has as many lanes */
   /* Knobs beyond the choice of a quartic's solver; the drum's may be facets. */
   bool special_roots, special_drum, exact_pairs;
 
@@ -103,7 +103,7 @@ enum em_loop_flag {
   EM_LOOP_SPIN = 2,
   EM_LOOP_ROTOR = 4,
   EM_LOOP_PERIODIC = 8,
-  EM_LOOP_EXTRA = 16, /* remedies, ramps, a turning drum */
+  EM_LOOP_EXTRA = 16, /* remedies, ramps, facets, a turning drum, special roots */
 };
 struct em_loop_kind {
   const char *name;

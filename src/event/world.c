@@ -307,11 +307,6 @@ const struct em_blade_tally *em_world_blade_tally(const struct em_world *w, size
   return &w->blade_tally[blade];
 }
 
-double em_world_blade_angle(const struct em_world *w, size_t blade, double time) {
-  const struct em_blade *b = &w->blade[blade].blade;
-  return b->angle + b->omega * local_time(w, time);
-}
-
 void em_world_state(const struct em_world *w, double time, struct em_balls *balls) {
   const double t = local_time(w, time);
   size_t i = 0;

@@ -4,7 +4,6 @@
 #include <float.h>
 #include <gsl/gsl_poly.h>
 #include <stddef.h>
-#include <string.h>
 
 #include "num/poly.h"
 
@@ -19,20 +18,6 @@ const char *em_surface_tip_name(enum em_tip tip) {
 
 const char *em_surface_quartic_name(enum em_quartic solver) {
   return QUARTIC_NAME[solver];
-}
-
-static int find(const char *const *names, int count, const char *name) {
-  for (int i = 0; i < count; i++)
-    if (strcmp(names[i], name) == 0) return i;
-  return -1;
-}
-
-int em_surface_tip_find(const char *name) {
-  return find(TIP_NAME, EM_TIP_COUNT, name);
-}
-
-int em_surface_quartic_find(const char *name) {
-  return find(QUARTIC_NAME, EM_QUARTIC_COUNT, name);
 }
 
 /* x² − y z, without cancellation where the two terms nearly agree. */

@@ -11,10 +11,6 @@ static const double DENSEST = 0.74048048969306;
 
 static const char axis_name[] = "xyz";
 
-static double component(struct em_vec v, int k) {
-  return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
 static double largest_diameter(const struct em_scene *scene) {
   double d = 0.0;
   for (size_t k = 0; k < scene->species_count; ++k)
@@ -70,15 +66,15 @@ static void check_pair(struct em_scene_report *report, const struct em_scene *sc
   char path[64], other[64];
   blade_path(scene, ra, ba, sizeof path, path);
   blade_path(scene, rb, bb, sizeof other, other);
+  em_scene_report_path(report, path, "touches %s, expected blades that never touch each other",
+                       other);
+}
+
 static void check_periodic(struct em_scene_report *report, const struct em_scene *scene) {
   const bool *p = scene->chamber.periodic;
   if (em_scene_blade_count(scene) > 0 && (p[0] || p[1] || p[2]))
     em_scene_report_path(report, "chamber.periodic",
                          "a rotor does not turn in a periodic box, expected false, or no blades");
-}
-
-  em_scene_report_path(report, path, "touches %s, expected blades that never touch each other",
-                       other);
 }
 
 static void check_blades(struct em_scene_report *report, const struct em_scene *scene, double d) {
@@ -131,8 +127,8 @@ static double region_volume(const struct em_scene *scene, const struct em_specie
   double v = 1.0, r = 0.5 * s->diameter;
   em_scene_bounds(scene, &low, &high);
   for (int k = 0; k < 3; ++k) {
-    double a = fmax(component(low, k), component(s->low, k) - r);
-    double b = fmin(component(high, k), component(s->high, k) + r);
+    double a = fmax(em_vec_component(low, k), em_vec_component(s->low, k) - r);
+    double b = fmin(em_vec_component(high, k), em_vec_component(s->high, k) + r);
     v *= fmax(b - a, 0.0);
   }
   return v;
@@ -184,13 +180,13 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
   for (int i = 0; i < 3; ++i) {
     double r = 0.5 * s->diameter;
     if (scene->chamber.shape == EM_SHAPE_BOX && scene->chamber.periodic[i]) r = 0.0;
-    double a = component(s->low, i), b = component(s->high, i);
+    double a = em_vec_component(s->low, i), b = em_vec_component(s->high, i);
     if (a > b) {
       em_scene_report_path(report, path, "low is above high along %c, expected low below high",
                            axis_name[i]);
       return;
     }
-    inside = inside && b >= component(low, i) + r && a <= component(high, i) - r;
+    inside = inside && b >= em_vec_component(low, i) + r && a <= em_vec_component(high, i) - r;
   }
   if (scene->chamber.shape == EM_SHAPE_DRUM)
     inside = inside && meets_drum(s, 0.5 * (scene->chamber.diameter - s->diameter));
@@ -210,11 +206,11 @@ static void check_facets(struct em_scene_report *report, const struct em_chamber
                          "a drum with facets neither turns nor has ramps, expected one of these "
                          "alone");
 }
-  check_periodic(report, scene);
 
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
   size_t before = report->errors;
   check_facets(report, &scene->chamber);
+  check_periodic(report, scene);
   for (size_t k = 0; k < scene->species_count; ++k)
     check_diameter(report, scene, k);
   /* Balls that are far too large would find fault with every blade. */

@@ -137,16 +137,12 @@ double em_scene_gap_blades(const struct em_blade *a, const struct em_blade *b) {
   return gap - 0.5 * slip;
 }
 
-static double component(struct em_vec v, int k) {
-  return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
 double em_scene_gap_plane(const struct em_scene_body *body, const struct em_scene *scene, int k,
                           int side) {
   struct em_vec low, high, n = em_vec_make(k == 0, k == 1, k == 2);
   em_scene_bounds(scene, &low, &high);
-  double at = component(body->centre, k);
-  double room = side ? component(high, k) - at : at - component(low, k);
+  double at = em_vec_component(body->centre, k);
+  double room = side ? em_vec_component(high, k) - at : at - em_vec_component(low, k);
   return room - em_scene_gap_extent(body, n);
 }
 
