@@ -9,16 +9,16 @@ usage_error() { say "error: $*"; echo "Try '${0##*/} --help'." >&2; exit 2; }
 # The comment at the top of a script is its help.
 print_help() { sed -n '2,/^[^#]/{s/^# \{0,1\}//p;}' "$0"; }
 
-# The programs: those in $BUILD, else those of the tree, else installed ones.
+# The programs: those in $BUILD; where BUILD is not set, those of the tree, else installed ones.
 find_programs() {
   top=$(cd "$here/.." && pwd)
-  case ${BUILD:-build} in /*) build=${BUILD:-build} ;; *) build=$top/${BUILD:-build} ;; esac
-  if [ -x "$build/mill" ] && [ -x "$build/millpost" ]; then
-    mill=$build/mill millpost=$build/millpost
-    export BUILD="$build"
-  elif command -v mill >/dev/null && command -v millpost >/dev/null; then
-    mill=$(command -v mill) millpost=$(command -v millpost)
-  else
+  case ${BUILD:-build} in /*) build=$BUILD ;; *) build=$top/${BUILD:-build} ;; esac
+  if [ -z "${BUILD:-}" ] && [ ! -x "$build/mill" ] && command -v mill >/dev/null; then
+    build=$(cd "$(dirname "$(command -v mill)")" && pwd)
+  fi
+  mill=$build/mill millpost=$build/millpost
+  export BUILD="$build"
+  if [ ! -x "$mill" ] || [ ! -x "$millpost" ]; then
     code=2 fail "no mill and millpost in $build: run make, or set BUILD"
   fi
 }

@@ -2,58 +2,40 @@
 # Sweeps as a user runs them: points and seeds, kills, failures, tables, diagrams.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-case ${BUILD:-build} in /*) ;; *) BUILD=$PWD/${BUILD:-build} ;; esac
-export BUILD
+# shellcheck source=tests/support/tap.sh
+. tests/support/tap.sh
+export BUILD=$bin
 top=$PWD sweep=$PWD/scripts/sweep collect=$PWD/scripts/collect
-command -v parallel >/dev/null || { echo "ok 1 - skipped: GNU parallel is not installed"; exit 0; }
-work=$(mktemp -d) || exit 2
-trap 'rm -rf "$work"' EXIT
+scene=$top/geometries/simoloyer-2l.cfg
+if ! command -v parallel >/dev/null; then
+  skip "sweeps" "GNU parallel is not installed"
+  finish
+fi
 cd "$work" || exit 2
-mill=$top/geometries/simoloyer-2l.cfg
-number=0 failed=0
 
-report() { # verdict text
-  number=$((number + 1))
-  echo "$1 $number - $2"
-  [ "$1" = ok ] || { failed=1; sed 's/^/# /' "$work/err" | tail -n 20; }
-}
-expect() { # CODE PATTERN TEXT COMMAND...: exit code, and a pattern in what goes to stderr
-  local code=$1 pattern=$2 text=$3 status verdict=ok
-  shift 3
-  "$@" >"$work/out" 2>"$work/err"
-  status=$?
-  [ $status -eq "$code" ] || { verdict="not ok"; echo "exit code $status" >>"$work/err"; }
-  [ -z "$pattern" ] || grep -q -- "$pattern" "$work/err" || verdict="not ok"
-  report "$verdict" "$text"
-}
-check() { # TEXT COMMAND...
-  local text=$1
-  shift
-  if "$@" >"$work/out" 2>"$work/err"; then report ok "$text"; else report "not ok" "$text"; fi
-}
 rows() { grep -vc '^#' "$1"; }
 column() { # FILE KEY
   awk -F, -v key="$2" '/^#/ { next } !at { for (k = 1; k <= NF; k++) if ($k == key) at = k; next }
     { print $at }' "$1"
 }
 
-few=("$mill" "balls.count=40,60" rotor.rpm=900:300:1500 duration=0.06)
+few=("$scene" "balls.count=40,60" rotor.rpm=900:300:1500 duration=0.06)
 
 # ---------------------------------------------------------------- usage
 expect 2 "no scene" "no scene" "$sweep" -o a
-expect 2 "no folder" "no folder" "$sweep" "$mill" rotor.rpm=900,1000
+expect 2 "no folder" "no folder" "$sweep" "$scene" rotor.rpm=900,1000
 expect 2 "there is no such scene" "a scene that is not there" "$sweep" no.cfg rotor.rpm=900,1000 -o a
-expect 2 "low:step:high" "a range that runs backwards" "$sweep" "$mill" rotor.rpm=900:10:800 -o a
-expect 2 "error" "a key that the scene does not know" "$sweep" "$mill" rotor.rmp=900,1000 -o a
-expect 2 "seeds come from the points" "a seed as an axis" "$sweep" "$mill" seed=1,2 -o a
-expect 2 "unknown option" "an unknown option" "$sweep" "$mill" --fast -o a
+expect 2 "low:step:high" "a range that runs backwards" "$sweep" "$scene" rotor.rpm=900:10:800 -o a
+expect 2 "error" "a key that the scene does not know" "$sweep" "$scene" rotor.rmp=900,1000 -o a
+expect 2 "seeds come from the points" "a seed as an axis" "$sweep" "$scene" seed=1,2 -o a
+expect 2 "unknown option" "an unknown option" "$sweep" "$scene" --fast -o a
 check "bad usage leaves nothing" test ! -e a
 for script in sweep collect run-point plot-map plot-lines calibrate reproduce reproduce-report; do
   check "$script --help" bash -c "'$top/scripts/$script' --help | grep -q '^Usage\|Usage:'"
 done
 
 # ---------------------------------------------------------------- dry run
-check "a dry run" "$sweep" "${few[@]}" -o a -n
+expect 0 "" "a dry run" "$sweep" "${few[@]}" -o a -n
 cp out plan
 check "it lists the points" test "$(grep -c "to do.*runs/" plan)" -eq 6
 check "and the time" grep -q "6 of 6 runs to do.*of computing" plan
@@ -66,7 +48,7 @@ report "$([ "$(rows whole/table.csv)" -eq 13 ] && [ "$(rows whole/mean.csv)" -eq
 report "$([ "$(column whole/table.csv seed | sort -u | wc -l)" -eq 12 ] && echo ok || echo not ok)" \
   "each run has a seed of its own"
 run=$(ls -d "$PWD"/whole/runs/*.h5 | head -n 1)
-"$BUILD/millpost" info "$run" --json >info
+"$post" info "$run" --json >info
 check "no frames, no collision table" bash -c "
   grep -q '\"frames\": 0,' info && grep -q '\"rows\": \"none\"' info"
 check "the HDF5 table holds what the CSV does" bash -c "
@@ -83,7 +65,7 @@ check "means of repeated runs" bash -c "
       if (d * d > 1e-14) bad = 1; n++ } END { exit bad || n != 6 }' whole/table.csv whole/mean.csv"
 
 # A point's seed and name depend on its values alone.
-check "one point of it, with the axes the other way round" "$sweep" "$mill" duration=0.06 \
+check "one point of it, with the axes the other way round" "$sweep" "$scene" duration=0.06 \
   rotor.rpm=1200,1200.0 balls.count=60,60 -o one
 report "$(grep -qF "$(tail -n 1 one/table.csv | cut -d, -f 3,4)" whole/table.csv && echo ok ||
   echo not ok)" "has the same seed and name"
@@ -101,10 +83,10 @@ expect 2 "another folder" "other fixed values are refused" "$sweep" "${few[@]}" 
 
 # ---------------------------------------------------------------- lists and hypercubes
 printf 'rotor.rpm balls.count\n900 40\n\n# a comment\n1300 50\n' >list
-check "points from a list" "$sweep" "$mill" --list list duration=0.02 -o listed
+check "points from a list" "$sweep" "$scene" --list list duration=0.02 -o listed
 report "$([ "$(column listed/table.csv balls.count | tr '\n' ' ')" = "40 50 " ] && echo ok ||
   echo not ok)" "has those points"
-check "a hypercube" "$sweep" "$mill" rotor.rpm=800:1600 balls.count=20:5:55 --lhs 8 duration=0.01 -o cube
+check "a hypercube" "$sweep" "$scene" rotor.rpm=800:1600 balls.count=20:5:55 --lhs 8 duration=0.01 -o cube
 report "$(column cube/table.csv rotor.rpm | awk '{ part[int(($1 - 800) / 100)]++ }
   END { for (k = 0; k < 8; k++) if (part[k] != 1) bad = 1; print bad ? "not ok" : "ok" }')" \
   "has one point in each eighth"
@@ -113,7 +95,7 @@ report "$(column cube/table.csv balls.count | sort -n | tr '\n' ' ' |
 
 # ---------------------------------------------------------------- failures
 # 400000 balls find no place in the drum.
-expect 1 "1 of 3 runs failed" "a point that fails" "$sweep" "$mill" balls.count=40,400000,50 duration=0.02 -o bad
+expect 1 "1 of 3 runs failed" "a point that fails" "$sweep" "$scene" balls.count=40,400000,50 duration=0.02 -o bad
 cp err why
 check "the others are in the table" test "$(rows bad/table.csv)" -eq 3
 check "it is listed" grep -q 400000 bad/failed.csv
@@ -123,11 +105,11 @@ check "with its reason" grep -q "count-400000.*error" why
 run=$(ls "$work"/listed/runs/*.h5 | head -n 1)
 cp listed/table.csv sound.csv
 head -c 3000 "$run" >short && mv short "$run" && rm "${run%.h5}.json"
-expect 0 "" "a damaged run file" "$sweep" "$mill" --list list duration=0.02 -o listed
+expect 0 "" "a damaged run file" "$sweep" "$scene" --list list duration=0.02 -o listed
 check "is begun anew" cmp sound.csv listed/table.csv
 
 # ---------------------------------------------------------------- kills
-long=("$mill" rotor.rpm=900:100:1700 balls.count=300 duration=0.4 -q)
+long=("$scene" rotor.rpm=900:100:1700 balls.count=300 duration=0.4 -q)
 check "a sweep, undisturbed" "$sweep" "${long[@]}" -o quiet
 processes() { ps -o pid= -s "$1" 2>/dev/null; }
 for signal in KILL TERM; do
@@ -164,4 +146,11 @@ if command -v gnuplot >/dev/null; then
   check "are there" test -s map.png -a -s surface.png -a -s lines.svg -a -s cube.gp
 fi
 expect 2 "no column" "a figure that is not there" "$top/scripts/plot-lines" whole beauty -o x.png
-exit $failed
+
+# ---------------------------------------------------------------- the programs
+expect 2 "no mill and millpost in $work/nowhere" "BUILD names a folder without the programs" \
+  env PATH="$bin:$PATH" BUILD="$work/nowhere" "$collect" whole
+mkdir -p installed/{bin,share} && cp -r "$top/scripts" installed/share && cp "$mill" "$post" installed/bin
+expect 0 "" "installed programs serve without BUILD" \
+  env -u BUILD PATH="$work/installed/bin:$PATH" installed/share/scripts/collect whole
+finish
