@@ -6,7 +6,7 @@
 #   FROM=0.01 TO=0.04   simulated times (s)
 set -eu
 mill=${BUILD:-build}/mill
-command -v valgrind >/dev/null || { echo 'valgrind is missing' >&2; exit 1; }
+command -v valgrind >/dev/null || { echo 'valgrind is missing (scripts/setup bench)' >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
