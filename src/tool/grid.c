@@ -122,7 +122,7 @@ static size_t count_rows(FILE *in) {
 enum em_status em_grid_read(struct em_grid *grid, const char *path, struct em_error *err) {
   *grid = (struct em_grid){0};
   FILE *in = fopen(path, "r");
-  if (!in) return em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", strerror(errno));
+  if (!in) return em_error_set(err, EM_INPUT, path, 0, "cannot be read: %s", strerror(errno));
   grid->rows = count_rows(in);
   char *line = NULL;
   size_t size = 0, row = 0;

@@ -23,7 +23,7 @@ struct em_grid {
 
 /* Reads comma-separated values: a line of keys, then rows of as many fields, without quotes; lines
  * that begin with # are passed over. A column whose fields all are numbers becomes one of numbers.
- * em_grid_free also after an error. Errors: EM_FILE, EM_INPUT, EM_MEMORY. */
+ * em_grid_free also after an error. Errors: EM_INPUT, EM_MEMORY. */
 enum em_status em_grid_read(struct em_grid *grid, const char *path, struct em_error *err);
 void em_grid_free(struct em_grid *grid);
 

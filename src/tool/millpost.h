@@ -62,6 +62,9 @@ struct em_millpost_options {
 int em_millpost_options(struct em_millpost_options *options, const struct em_millpost_help *help,
                         int argc, char **argv);
 
+/* Opens a run that the command line names: one that cannot be read is EM_INPUT. */
+enum em_status em_millpost_open(struct em_run_file **run, const char *path, struct em_error *err);
+
 /* Prints an error ("millpost: error: ..." or as the error says) and returns the exit code that
  * belongs to it. */
 int em_millpost_fail(const struct em_error *err);

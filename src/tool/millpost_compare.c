@@ -150,7 +150,7 @@ int em_millpost_compare(int argc, char **argv) {
   enum em_status status = EM_OK;
   for (int r = 0; r < o.run_count && status == EM_OK; r++) {
     struct em_run_file *run = NULL;
-    status = em_run_file_open(&run, o.run[r], &err);
+    status = em_millpost_open(&run, o.run[r], &err);
     if (status == EM_OK)
       status = em_figures_read(&figures[r], run, o.from, o.to, threshold, o.level, &err);
     em_run_file_close(run);

@@ -130,7 +130,7 @@ int em_millpost_export(int argc, char **argv) {
     return em_millpost_usage("export", "--of takes only 'collisions', with --to csv");
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
-  if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
+  if (em_millpost_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
   code = run_with(run, format, &options);
   em_run_file_close(run);
   return code;

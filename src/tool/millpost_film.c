@@ -130,7 +130,7 @@ int em_millpost_film(int argc, char **argv) {
   if (code >= 0) return code;
   em_millpost_label(look.run, name, sizeof name);
   snprintf(out, sizeof out, "%s.mp4", name);
-  enum em_status status = em_run_file_open(&run, look.run, &err);
+  enum em_status status = em_millpost_open(&run, look.run, &err);
   if (status == EM_OK) status = em_show_new(&reel.show, run, &look.show, &err);
   if (status == EM_OK) status = make(&look, run, look.out != NULL ? look.out : out, &reel, &err);
   em_show_free(reel.show);

@@ -102,7 +102,7 @@ static enum em_status read_lines(struct pairs *pairs, FILE *in, const char *path
 
 static enum em_status read_pairs(struct pairs *pairs, const char *path, struct em_error *err) {
   FILE *in = fopen(path, "r");
-  if (!in) return em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", strerror(errno));
+  if (!in) return em_error_set(err, EM_INPUT, path, 0, "cannot be read: %s", strerror(errno));
   const enum em_status status = read_lines(pairs, in, path, err);
   fclose(in);
   return status;

@@ -109,7 +109,7 @@ int em_millpost_frame(int argc, char **argv) {
   if (code >= 0) return code;
   em_millpost_label(look.run, name, sizeof name);
   snprintf(out, sizeof out, "%s.png", name);
-  enum em_status status = em_run_file_open(&run, look.run, &err);
+  enum em_status status = em_millpost_open(&run, look.run, &err);
   if (status == EM_OK) status = em_show_new(&show, run, &look.show, &err);
   if (status == EM_OK) status = draw(&look, run, show, look.out != NULL ? look.out : out, &err);
   em_show_free(show);

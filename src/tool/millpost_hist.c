@@ -301,7 +301,7 @@ static enum em_status read_inputs(struct input *in, const struct em_millpost_opt
                                   enum em_gather_of of, struct em_error *err) {
   for (int r = 0; r < o->run_count; r++) {
     em_millpost_label(o->run[r], in[r].label, sizeof in[r].label);
-    enum em_status status = em_run_file_open(&in[r].file, o->run[r], err);
+    enum em_status status = em_millpost_open(&in[r].file, o->run[r], err);
     if (status == EM_OK) status = em_window_find(&in[r].window, in[r].file, o->from, o->to, err);
     if (status == EM_OK)
       status = em_gather_new(&in[r].gather, in[r].file, of, o->classes, &in[r].window, err);

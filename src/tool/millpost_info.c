@@ -1,4 +1,5 @@
 /* millpost info: where a run comes from, what it simulated, and what its file holds. */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -125,11 +126,12 @@ int em_millpost_info(int argc, char **argv) {
   if (code >= 0) return code;
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
-  if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
+  if (em_millpost_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
   if (options.scene) {
-    const int bad = fputs(em_run_file_scene_text(run), stdout) < 0 || fflush(stdout) != 0;
+    if (fputs(em_run_file_scene_text(run), stdout) < 0 || fflush(stdout) != 0)
+      em_error_set(&err, EM_FILE, NULL, 0, "cannot write the output: %s", strerror(errno));
     em_run_file_close(run);
-    return bad ? EM_MILLPOST_FAILED : EM_MILLPOST_DONE;
+    return err.code == EM_OK ? EM_MILLPOST_DONE : em_millpost_fail(&err);
   }
   struct em_report *report = em_report_new("info");
   const struct em_scene *scene = em_run_file_scene(run);

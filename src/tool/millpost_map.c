@@ -312,7 +312,7 @@ static struct em_cells *make_cells(const struct em_chamber *chamber,
 static enum em_status read_input(struct input *in, const char *path,
                                  const struct em_millpost_options *o, enum em_field_of of,
                                  const struct em_chamber *chamber, struct em_error *err) {
-  enum em_status status = em_run_file_open(&in->run, path, err);
+  enum em_status status = em_millpost_open(&in->run, path, err);
   if (status != EM_OK) return status;
   const struct em_scene *scene = em_run_file_scene(in->run);
   if (scene->chamber.shape != EM_SHAPE_DRUM)

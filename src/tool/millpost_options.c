@@ -122,6 +122,13 @@ int em_millpost_options(struct em_millpost_options *o, const struct em_millpost_
   return code >= 0 ? code : check(o, help);
 }
 
+enum em_status em_millpost_open(struct em_run_file **run, const char *path, struct em_error *err) {
+  const enum em_status status = em_run_file_open(run, path, err);
+  if (status != EM_FILE && status != EM_FORMAT) return status;
+  err->code = EM_INPUT;
+  return EM_INPUT;
+}
+
 int em_millpost_fail(const struct em_error *err) {
   const char *text = err->text[0] ? err->text : em_error_text(err->code);
   if (strncmp(text, "error: ", 7) == 0)

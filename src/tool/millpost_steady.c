@@ -135,7 +135,7 @@ int em_millpost_steady(int argc, char **argv) {
   if (code >= 0) return code;
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
-  if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
+  if (em_millpost_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
   struct em_window window = {.from = 0.0}, all;
   struct em_report *report = em_report_new("steady");
   enum em_status status = em_window_find(&window, run, NAN, options.to, &err);

@@ -128,7 +128,7 @@ static enum em_status read_run(struct tables *t, size_t row, size_t first, const
   snprintf(path, sizeof path, "%s%s", name[0] == '/' ? "" : t->folder, name);
   if (access(path, R_OK) != 0) return EM_OK;
   struct em_run_file *run = NULL;
-  enum em_status status = em_run_file_open(&run, path, err);
+  enum em_status status = em_millpost_open(&run, path, err);
   if (status == EM_OK && em_run_file_state(run)->end == EM_END_DONE) {
     *there = true;
     status = fill_figures(&t->runs, row, first, run, o, err);

@@ -333,7 +333,7 @@ int em_millpost_verify(int argc, char **argv) {
   if (code >= 0) return code;
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
-  if (em_run_file_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
+  if (em_millpost_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);
   const int result = run_with(run, &options);
   em_run_file_close(run);
   return result;

@@ -65,7 +65,7 @@ int em_millpost_view(int argc, char **argv) {
   em_millpost_label(word[0], name, sizeof name);
   snprintf(out, sizeof out, "%s.html", name);
   if (wish.out == NULL) wish.out = out;
-  enum em_status status = em_run_file_open(&run, word[0], &err);
+  enum em_status status = em_millpost_open(&run, word[0], &err);
   if (status == EM_OK) status = em_view_write(run, &wish.view, wish.out, &report, &err);
   if (run != NULL) em_run_file_close(run);
   if (status != EM_OK) return em_millpost_fail(&err);

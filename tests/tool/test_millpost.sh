@@ -290,14 +290,21 @@ expect 2 "goes with neither" "the spread of a difference" \
 expect 2 "of --cells sectors" "slices of rings" post map "$one" --cells rings --slices 5
 expect 2 "of --cells rings" "rings of sectors" post map "$one" --cells sectors --rings 50
 expect 2 "" "a map of a box" post map "$gas" --cells rings --slices 0
-expect 1 "" "a run that is not there" post info "$work/nowhere.h5"
+expect 2 "nowhere.h5: error" "a run that is not there" post info "$work/nowhere.h5"
 echo "this is no run" >"$work/text.h5"
-expect 1 "" "a file that is no run" post hist "$work/text.h5"
+for command in info hist verify power steady frame film view "map --cells rings" "export --to csv" "compare $one" "scale $one"; do
+  # shellcheck disable=SC2086
+  expect 2 "text.h5: error" "${command%% *} of a file that is no run" post $command "$work/text.h5"
+done
+expect 2 "nowhere.txt: error" "pairs that are not there" post fit "$work/nowhere.txt"
+expect 2 "nowhere.csv: error" "points that are not there" post table "$work/nowhere.csv"
 head -c 20000 "$one" >"$work/short.h5"
-expect 1 "" "a truncated run" post hist "$work/short.h5"
+expect 2 "" "a truncated run" post hist "$work/short.h5"
 expect 1 "" "a picture that cannot be written" post hist "$one" -o "$work/no/where.png"
 full() { post hist "$one" >/dev/full; }
 expect 1 "" "a full disk" full
+full() { post info "$one" --scene >/dev/full; }
+expect 1 "cannot write the output" "a full disk for a scene" full
 printf '1 0.9\n2 zero\n' >"$work/bad.txt"
 expect 2 "" "a table with a bad line" post fit "$work/bad.txt"
 grep -q "bad.txt:2: error" "$work/err"

@@ -31,8 +31,8 @@ for command in frame film; do
   expect 2 "no ball 300" "$command --trail" "$post" $command "$run" --trail 300
   expect 2 "no collision table" "$command --marks" "$post" $command "$plain" --marks 0.001
   expect 2 "no frames" "$command of a run without frames" "$post" $command "$still"
-  expect 1 "" "$command of no file" "$post" $command "$work/none.h5"
-  expect 1 "" "$command of a foreign file" "$post" $command README.md
+  expect 2 "" "$command of no file" "$post" $command "$work/none.h5"
+  expect 2 "" "$command of a foreign file" "$post" $command README.md
   expect 2 "no collision table" "$command --colour class" "$post" $command "$plain" --colour class
   expect 1 "cannot be written" "$command into nowhere" "$post" $command "$run" -o /nowhere/x$ending
   expect 2 "must end in $ending" "$command to another format" "$post" $command "$run" -o "$work/x.avi"
@@ -101,7 +101,7 @@ for command in "frame --size 64x64 -o $work/x.png" "film --size 64x64 -o $work/x
   "view -o $work/x.html" "export --to vtk -o $work/x.pvd" "export --to csv -o $work/x.csv"; do
   for file in short empty; do
     # shellcheck disable=SC2086
-    expect 1 "$file.h5" "${command%% *} of a damaged file ($file)" \
+    expect 2 "$file.h5" "${command%% *} of a damaged file ($file)" \
       "$post" ${command%% *} "$work/$file.h5" ${command#* }
   done
   is "which leaves nothing" "" "$(find "$work" -name 'x[.-]*')"

@@ -23,7 +23,7 @@ mkfifo "$work/pipe"
 timeout 30 cat "$work/pipe" >"$work/piped.html" &
 expect 0 "0.05 s$" "a page into a pipe" "$post" view "$run" -o "$work/pipe"
 wait
-expect 1 "" "view of a foreign file" "$post" view README.md
+expect 2 "" "view of a foreign file" "$post" view README.md
 expect 1 "cannot be written" "view into nowhere" "$post" view "$run" -o /nowhere/x.html
 is "and nothing is left" 1 "$([ -e "$page" ]; echo $?)"
 expect 0 "51 frames of 800 balls" "a page" "$post" view "$run" -o "$page"
