@@ -67,7 +67,7 @@ int em_track_plate_find(const char *name); /* -1: no such side */
 
 /* Analyses the PNG files of a folder, in the order of their names. *track is the caller's. Errors:
  * EM_FILE, EM_INPUT (options; frames of different sizes; fewer than three frames with a ball before
- * or after the impact), EM_MEMORY, EM_NUMERIC. */
+ * or after the impact; no impact, or a restitution above 1.5), EM_MEMORY, EM_NUMERIC. */
 enum em_status em_track_folder(struct em_track **track, const char *folder,
                                const struct em_track_options *options, struct em_error *err);
 void em_track_free(struct em_track *track);

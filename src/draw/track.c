@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -77,7 +76,8 @@ static enum em_status find_all(struct em_track *track, const struct em_film_stri
 }
 
 static enum em_status analyse(struct em_track *track, const struct em_film_strip *strip,
-                              const struct em_track_options *o, struct em_error *err) {
+                              const char *film, const struct em_track_options *o,
+                              struct em_error *err) {
   track->frames = strip->count;
   track->width = (size_t)strip->width;
   track->height = (size_t)strip->height;
@@ -88,7 +88,7 @@ static enum em_status analyse(struct em_track *track, const struct em_film_strip
   if (status != EM_OK) return status;
   keep_alike(track);
   track->scale = o->scale > 0.0 ? o->scale : 0.5 * o->diameter / fmax(track->radius, 1e-9);
-  return em_track_bounce(track, o->fps, o->plate, err);
+  return em_track_bounce(track, o->fps, o->plate, film, err);
 }
 
 enum em_status em_track_folder(struct em_track **track, const char *folder,
@@ -103,10 +103,9 @@ enum em_status em_track_folder(struct em_track **track, const char *folder,
   struct em_track *made = calloc(1, sizeof *made);
   if (made == NULL) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a track");
   enum em_status status = em_track_image_list(&strip, folder, err);
-  if (status == EM_OK) status = analyse(made, &strip, options, err);
+  if (status == EM_OK) status = analyse(made, &strip, folder, options, err);
   em_track_image_clear(&strip);
   if (status != EM_OK) {
-    if (err != NULL && err->file[0] == '\0') snprintf(err->file, sizeof err->file, "%s", folder);
     em_track_free(made);
     return status;
   }

@@ -11,6 +11,9 @@
 
 enum { LEAST = 3, CURVED = 6, MOST_PARAMETERS = 5 };
 
+/* Above it, what was fitted is no impact; errors of measurement alone may lead above 1. */
+static const double MOST_RESTITUTION = 1.5;
+
 struct bounce {
   int parameters;
   double p[MOST_PARAMETERS]; /* a1, v1, a2, v2, g */
@@ -35,7 +38,7 @@ static void release(struct space *s) {
 
 /* t, s: n of each; the first `split` are before the impact. */
 static enum em_status fit(struct bounce *b, const double *t, const double *s, size_t n,
-                          size_t split, struct em_error *err) {
+                          size_t split) {
   const size_t least = split < n - split ? split : n - split;
   const size_t m = least >= CURVED ? 5 : 4;
   struct space w = {gsl_matrix_calloc(n, m), gsl_matrix_alloc(m, m), gsl_vector_alloc(n),
@@ -58,19 +61,16 @@ static enum em_status fit(struct bounce *b, const double *t, const double *s, si
       b->cov[i][j] = gsl_matrix_get(w.cov, i, j);
   }
   release(&w);
-  if (code == GSL_ENOMEM) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a fit");
-  if (code != GSL_SUCCESS)
-    return em_error_set(err, EM_NUMERIC, NULL, 0, "no curve can be fitted to the centres");
-  return EM_OK;
+  return code == GSL_SUCCESS ? EM_OK : code == GSL_ENOMEM ? EM_MEMORY : EM_NUMERIC;
 }
 
-/* The split with the smallest residual of both sides together. */
-static enum em_status best_split(const double *t, const double *s, size_t n, size_t *split,
-                                 struct em_error *err) {
+/* The split with the smallest residual of both sides together. EM_INPUT: the ball does not come
+ * back. */
+static enum em_status best_split(const double *t, const double *s, size_t n, size_t *split) {
   double least = INFINITY;
   for (size_t k = LEAST; k + LEAST <= n; k++) {
     struct bounce b;
-    const enum em_status status = fit(&b, t, s, n, k, err);
+    const enum em_status status = fit(&b, t, s, n, k);
     if (status != EM_OK) return status;
     /* As many degrees of freedom on all splits. */
     const double value = b.residual / (double)(n - (size_t)b.parameters + 1);
@@ -79,9 +79,7 @@ static enum em_status best_split(const double *t, const double *s, size_t n, siz
       *split = k;
     }
   }
-  if (isfinite(least)) return EM_OK;
-  return em_error_set(err, EM_INPUT, NULL, 0,
-                      "the ball does not come back: no impact is to be seen");
+  return isfinite(least) ? EM_OK : EM_INPUT;
 }
 
 /* Speeds at the moment of the impact, and the ratio of what leaves to what came. */
@@ -119,16 +117,16 @@ static struct em_track_value turned(struct em_track_value v) {
 
 /* The side towards which the ball flew before its velocity changed. */
 static enum em_status choose_plate(enum em_track_plate *plate, const double *t, const double *x,
-                                   const double *y, size_t n, struct em_error *err) {
+                                   const double *y, size_t n) {
   struct bounce bx, by;
   size_t split = 0;
   if (*plate != EM_TRACK_AUTO) return EM_OK;
   /* The coordinate that comes back; of two, the one that changes more. */
-  const enum em_status sx = best_split(t, x, n, &split, err);
-  const bool x_returns = sx == EM_OK && fit(&bx, t, x, n, split, err) == EM_OK;
+  const enum em_status sx = best_split(t, x, n, &split);
+  const bool x_returns = sx == EM_OK && fit(&bx, t, x, n, split) == EM_OK;
   const double change_x = x_returns ? fabs(bx.p[3] - bx.p[1]) : 0.0;
-  const enum em_status sy = best_split(t, y, n, &split, x_returns ? NULL : err);
-  const bool y_returns = sy == EM_OK && fit(&by, t, y, n, split, err) == EM_OK;
+  const enum em_status sy = best_split(t, y, n, &split);
+  const bool y_returns = sy == EM_OK && fit(&by, t, y, n, split) == EM_OK;
   const double change_y = y_returns ? fabs(by.p[3] - by.p[1]) : 0.0;
   if (!x_returns && !y_returns) return sy;
   if (x_returns && (!y_returns || change_x >= change_y))
@@ -139,16 +137,16 @@ static enum em_status choose_plate(enum em_track_plate *plate, const double *t, 
 }
 
 static enum em_status analyse(struct em_track *track, double fps, const double *t, const double *x,
-                              const double *y, struct em_error *err) {
+                              const double *y) {
   const size_t n = track->count;
   const bool level = track->plate == EM_TRACK_LEFT || track->plate == EM_TRACK_RIGHT;
   const bool negative = track->plate == EM_TRACK_LEFT || track->plate == EM_TRACK_TOP;
   const double *s = level ? x : y, *along = level ? y : x;
   struct bounce normal, tangent;
   size_t split = 0;
-  enum em_status status = best_split(t, s, n, &split, err);
-  if (status == EM_OK) status = fit(&normal, t, s, n, split, err);
-  if (status == EM_OK) status = fit(&tangent, t, along, n, split, err);
+  enum em_status status = best_split(t, s, n, &split);
+  if (status == EM_OK) status = fit(&normal, t, s, n, split);
+  if (status == EM_OK) status = fit(&tangent, t, along, n, split);
   if (status != EM_OK) return status;
   const double at = figure_of(&normal, IMPACT, NAN);
   const struct em_track_value before = value_of(&normal, BEFORE, NAN);
@@ -163,21 +161,39 @@ static enum em_status analyse(struct em_track *track, double fps, const double *
   track->tangent_after = value_of(&tangent, AFTER, at);
   track->gravity = negative ? -normal.p[4] : normal.p[4];
   track->sigma = sqrt(normal.residual / (double)(n - (size_t)normal.parameters)) / track->scale;
-  if (track->approach.value > 0.0 && track->departure.value > 0.0) return EM_OK;
-  return em_error_set(err, EM_INPUT, NULL, 0,
-                      "the ball does not fly towards the plate at the side '%s' and back",
-                      em_track_plate_name(track->plate));
+  return EM_OK;
+}
+
+/* What was found must be an impact on the plate. */
+static enum em_status judge(const struct em_track *track, enum em_status status, const char *film,
+                            struct em_error *err) {
+  const struct em_track_value *e = &track->restitution;
+  if (status == EM_MEMORY) return em_error_set(err, status, film, 0, "no memory for a fit");
+  if (status == EM_INPUT)
+    return em_error_set(err, status, film, 0,
+                        "the ball does not come back: no impact is to be seen");
+  if (status != EM_OK)
+    return em_error_set(err, status, film, 0, "no curve can be fitted to the centres");
+  if (!(track->approach.value > 0.0 && track->departure.value > 0.0))
+    return em_error_set(err, EM_INPUT, film, 0,
+                        "the ball does not fly towards the plate at the side '%s' and back",
+                        em_track_plate_name(track->plate));
+  if (e->value <= MOST_RESTITUTION) return EM_OK;
+  return em_error_set(err, EM_INPUT, film, 0,
+                      "no impact on a plate: the ball would leave it at %.3g ± %.2g of the speed "
+                      "with which it came, at most %g is possible",
+                      e->value, e->error, MOST_RESTITUTION);
 }
 
 enum em_status em_track_bounce(struct em_track *track, double fps, enum em_track_plate plate,
-                               struct em_error *err) {
+                               const char *film, struct em_error *err) {
   const size_t n = track->count;
   if (n < 2 * LEAST + 1)
-    return em_error_set(err, EM_INPUT, NULL, 0,
+    return em_error_set(err, EM_INPUT, film, 0,
                         "the ball is found in %zu of %zu frames; %d are needed", n, track->frames,
                         2 * LEAST + 1);
   double *t = calloc(3 * n, sizeof *t);
-  if (t == NULL) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the places of a ball");
+  if (t == NULL) return em_error_set(err, EM_MEMORY, film, 0, "no memory for the places of a ball");
   double *x = t + n, *y = x + n;
   for (size_t k = 0; k < n; k++) {
     t[k] = (double)(track->spot[k].frame - track->spot[0].frame) / fps;
@@ -185,8 +201,8 @@ enum em_status em_track_bounce(struct em_track *track, double fps, enum em_track
     y[k] = track->spot[k].y * track->scale;
   }
   track->plate = plate;
-  enum em_status status = choose_plate(&track->plate, t, x, y, n, err);
-  if (status == EM_OK) status = analyse(track, fps, t, x, y, err);
+  enum em_status status = choose_plate(&track->plate, t, x, y, n);
+  if (status == EM_OK) status = analyse(track, fps, t, x, y);
   free(t);
-  return status;
+  return judge(track, status, film, err);
 }

@@ -6,8 +6,9 @@
 #include "eventmill/track.h"
 
 /* Fills in what `track` says about the motion, from its spots, its scale and the frame rate; plate:
- * AUTO, or the side that is known. Errors: EM_INPUT (too few spots), EM_MEMORY, EM_NUMERIC. */
+ * AUTO, or the side that is known; film: its name in messages. Errors: EM_INPUT (too few spots, or
+ * they show no impact on the plate), EM_MEMORY, EM_NUMERIC. */
 enum em_status em_track_bounce(struct em_track *track, double fps, enum em_track_plate plate,
-                               struct em_error *err);
+                               const char *film, struct em_error *err);
 
 #endif

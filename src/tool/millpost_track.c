@@ -54,7 +54,7 @@ static const struct em_millpost_help help = {
         "Each FOLDER holds one film as PNG frames in the order of their names, from a camera that\n"
         "stands still. Uneven light, flicker, stripes and noise are taken out; the plate has to "
         "be\n"
-        "along a side of the picture.",
+        "along a side of the picture. A film without an impact is reported, and the others go on.",
     .examples = "  millpost track shot-17 --fps 5000 --diameter 0.005\n"
                 "  millpost track shots/* --fps 5000 --diameter 0.005 -o shots.txt\n"
                 "  millpost fit shots.txt -o shots.png",
@@ -130,8 +130,9 @@ static enum em_status write_pairs(const char *path, char *const *folder,
   if (!out) return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
   fprintf(out, "# speed (m/s), restitution; standard error of restitution, film\n");
   for (int k = 0; k < count; k++)
-    fprintf(out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value, track[k]->restitution.value,
-            track[k]->restitution.error, folder[k]);
+    if (track[k])
+      fprintf(out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value, track[k]->restitution.value,
+              track[k]->restitution.error, folder[k]);
   const bool failed = ferror(out) != 0;
   if (fclose(out) == 0 && !failed) return EM_OK;
   return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
@@ -143,7 +144,7 @@ static struct em_report *report_of(const struct wish *wish, char *const *folder,
   em_report_fact(report, "fps", "frames per second", wish->track.fps, "1/s");
   begin_shots(report);
   for (int k = 0; k < count; k++)
-    add_shot(report, folder[k], track[k]);
+    if (track[k]) add_shot(report, folder[k], track[k]);
   if (!wish->places) return report;
   em_report_begin(report, "places", "The ball, frame by frame");
   em_report_column(report, "film", "film", "");
@@ -153,28 +154,45 @@ static struct em_report *report_of(const struct wish *wish, char *const *folder,
   em_report_column(report, "radius", "radius", "pixel");
   em_report_column(report, "roundness", "U²/4πA", "");
   for (int k = 0; k < count; k++)
-    add_places(report, folder[k], track[k]);
+    if (track[k]) add_places(report, folder[k], track[k]);
   return report;
+}
+
+/* Measures all films; those that fail stay NULL, and the first failure's exit code is returned. */
+static int measure(struct em_track **track, char *const *folder, int count,
+                   const struct em_track_options *o, int *good) {
+  int code = EM_MILLPOST_DONE;
+  *good = 0;
+  for (int k = 0; k < count; k++) {
+    struct em_error err = {.code = EM_OK};
+    if (em_track_folder(&track[k], folder[k], o, &err) == EM_OK) {
+      (*good)++;
+      continue;
+    }
+    if (err.code == EM_FILE) err.code = EM_INPUT;
+    const int failed = em_millpost_fail(&err);
+    if (code == EM_MILLPOST_DONE) code = failed;
+  }
+  return code;
 }
 
 int em_millpost_track(int argc, char **argv) {
   struct wish wish;
   struct em_error err = {.code = EM_OK};
-  int count;
+  int count, good;
   char **folder;
   const int wrong = read_command_line(&wish, argc, argv, &count, &folder);
   if (wrong >= 0) return wrong;
   struct em_track **track = calloc((size_t)count, sizeof *track);
-  enum em_status status =
-      track != NULL ? EM_OK : em_error_set(&err, EM_MEMORY, NULL, 0, "no memory for the films");
-  for (int k = 0; k < count && status == EM_OK; k++)
-    status = em_track_folder(&track[k], folder[k], &wish.track, &err);
-  if (status == EM_OK && wish.out != NULL)
-    status = write_pairs(wish.out, folder, track, count, &err);
-  const int code = status == EM_OK ? em_millpost_print(report_of(&wish, folder, track, count),
-                                                       &wish.print, EM_MILLPOST_DONE)
-                                   : em_millpost_fail(&err);
-  for (int k = 0; k < count && track != NULL; k++)
+  if (!track) {
+    em_error_set(&err, EM_MEMORY, NULL, 0, "no memory for the films");
+    return em_millpost_fail(&err);
+  }
+  int code = measure(track, folder, count, &wish.track, &good);
+  if (good > 0 && wish.out != NULL && write_pairs(wish.out, folder, track, count, &err) != EM_OK)
+    code = em_millpost_fail(&err);
+  if (good > 0) code = em_millpost_print(report_of(&wish, folder, track, count), &wish.print, code);
+  for (int k = 0; k < count; k++)
     em_track_free(track[k]);
   free(track);
   return code;

@@ -78,8 +78,8 @@ expect 2 "expected --fps" "track without a rate" "$post" track "$film"
 expect 2 "expected --diameter" "track without a scale" "$post" track "$film" --fps 5000
 expect 2 "unknown side" "track --plate" "$post" track "$film" --plate middle
 expect 2 "at least 7" "track of nothing" "$post" track "$work/empty" --fps 5000 --diameter 0.005
-expect 1 "cannot be read" "track of no folder" "$post" track "$work/no" --fps 5000 --diameter 0.005
-expect 2 "towards the plate" "track to the wrong side" \
+expect 2 "cannot be read" "track of no folder" "$post" track "$work/no" --fps 5000 --diameter 0.005
+expect 2 "film: error: .*towards the plate" "track to the wrong side" \
   "$post" track "$film" --fps 5000 --diameter 0.005 --plate left
 expect 0 "" "track" "$post" track "$film" --fps 5000 --scale 0.0003333333 --json -o "$work/pairs.txt"
 is "measures speed and restitution" "yes" "$(/usr/bin/python3 - "$work/out" <<'PY'
@@ -90,6 +90,16 @@ print("yes" if good and shot["plate"] == "right" else shot)
 PY
 )"
 is "a pair for fit" 1 "$(grep -c '^1[45][.][0-9]* 0[.][56][0-9]* ' "$work/pairs.txt")"
+# A disc that turns back faster than it came, as no plate makes it.
+mkdir "$work/kick"
+x='if(lt(N,16),40+9*N,184-16*(N-16))'
+ffmpeg -v error -f lavfi -i "color=gray:s=260x80:r=25,format=gray,geq=lum='if(lt(hypot(X-($x),Y-40),18),60,170)'" \
+  -frames:v 25 "$work/kick/%d.png" || exit 2
+expect 2 "kick: error: no impact on a plate" "track of three films, two of which fail" \
+  "$post" track "$work/kick" "$film" "$work/empty" --fps 5000 --diameter 0.005 --csv -o "$work/good.txt"
+is "names the other, too" 1 "$(grep -c 'empty: error' "$work/err")"
+is "and measures the third" 1 "$(grep -c '^[0-9]' "$work/good.txt")"
+is "in its table, too" 1 "$(grep -c "^$film," "$work/out")"
 for _ in 1 2 3 4 5 6 7; do grep -v '^# speed' "$work/pairs.txt"; done >"$work/many.txt"
 expect 0 "" "that fit reads" "$post" fit <(cat "$work/many.txt" "$work/many.txt")
 

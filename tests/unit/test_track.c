@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "draw/spheres.h"
+#include "draw/track_bounce.h"
 #include "eventmill/canvas.h"
 #include "eventmill/picture.h"
 #include "eventmill/track.h"
@@ -288,12 +289,44 @@ static void test_bad_films(void **state) {
   clean(folder_name, shot.frames);
 }
 
+/* Places on straight lines, without a film: from (2, 3) m/s to what the plate makes of it. */
+static enum em_status bounce(struct em_track *track, double turn_x, double turn_y,
+                             struct em_error *err) {
+  enum { FRAMES = 20, IMPACT = 9 };
+  static struct em_track_spot spot[FRAMES];
+  for (size_t k = 0; k < FRAMES; k++) {
+    const double t = (double)k - IMPACT - 0.5;
+    spot[k] = (struct em_track_spot){.frame = k,
+                                     .x = 50.0 + (t < 0.0 ? 2.0 : 2.0 * turn_x) * t,
+                                     .y = 50.0 + (t < 0.0 ? 3.0 : 3.0 * turn_y) * t};
+  }
+  *track = (struct em_track){.frames = FRAMES, .count = FRAMES, .spot = spot, .scale = 1.0};
+  return em_track_bounce(track, 1.0, EM_TRACK_AUTO, "a-film", err);
+}
+
+/* The plate is where the coordinate that comes back was going, whatever the other one does. */
+static void test_plate(void **state) {
+  (void)state;
+  struct em_track track;
+  struct em_error err = {.code = EM_OK};
+  assert_int_equal(bounce(&track, -0.8, 1.0, &err), EM_OK);
+  assert_int_equal(track.plate, EM_TRACK_RIGHT);
+  near(track.restitution.value, 0.8, 1e-9, "restitution in x");
+  assert_int_equal(bounce(&track, 1.0, -0.8, &err), EM_OK);
+  assert_int_equal(track.plate, EM_TRACK_BOTTOM);
+  near(track.restitution.value, 0.8, 1e-9, "restitution in y");
+  assert_int_equal(bounce(&track, -0.9, -0.9, &err), EM_OK);
+  assert_int_equal(track.plate, EM_TRACK_BOTTOM); /* the larger change */
+  assert_int_equal(bounce(&track, 1.0, -1.6, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "a-film: error: no impact on a plate"));
+  assert_int_equal(bounce(&track, 1.0, 1.0, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "a-film: error: the ball does not come back"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_fast_shot),
-      cmocka_unit_test(test_drop),
-      cmocka_unit_test(test_sides),
-      cmocka_unit_test(test_bad_films),
+      cmocka_unit_test(test_fast_shot), cmocka_unit_test(test_drop),  cmocka_unit_test(test_sides),
+      cmocka_unit_test(test_bad_films), cmocka_unit_test(test_plate),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
