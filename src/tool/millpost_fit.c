@@ -118,25 +118,36 @@ static double value(double v, const double *p, const void *self) {
   return em_contact_restitution(&law, v);
 }
 
-/* From the default parameters, and from multiples of them; the best end counts. */
-static struct result fit_law(enum em_law law, const struct pairs *pairs) {
+/* The best end of fits from the default parameters and from multiples of them; `zero` stands for a
+ * parameter that is 0 by default. */
+static void fit_from(struct result *best, const struct pairs *pairs, double zero) {
   static const double factor[] = {1.0, 0.5, 2.0, 0.2, 5.0};
-  const struct em_restitution standard = em_contact_law_default(law);
-  const struct em_fit_model model = {em_contact_law_size(law), value, &law};
-  struct result best = {.law = law, .good = false};
+  const struct em_restitution standard = em_contact_law_default(best->law);
+  const struct em_fit_model model = {em_contact_law_size(best->law), value, &best->law};
   for (size_t k = 0; k < sizeof factor / sizeof *factor; k++) {
     double start[EM_LAW_PARAMETERS];
     struct em_fit fit;
     for (int j = 0; j < model.parameters; j++)
-      start[j] = factor[k] * standard.p[j];
+      start[j] = factor[k] * (standard.p[j] != 0.0 ? standard.p[j] : zero);
     if (em_fit_curve(&fit, &model, pairs->n, pairs->v, pairs->e, start, NULL) != EM_OK) continue;
     if (!fit.converged || !isfinite(fit.residual)) continue;
-    if (best.good && fit.residual >= best.fit.residual) continue;
+    if (best->good && fit.residual >= best->fit.residual) continue;
     for (int j = 0; j < model.parameters; j++)
       fit.p[j] = fabs(fit.p[j]);
-    best.good = true;
-    best.fit = fit;
+    best->good = true;
+    best->fit = fit;
   }
+}
+
+/* As p and −p are the same curve, its slope at p = 0 is 0: a parameter that starts there stays. */
+static struct result fit_law(enum em_law law, const struct pairs *pairs) {
+  const struct em_restitution standard = em_contact_law_default(law);
+  struct result best = {.law = law, .good = false};
+  bool has_zero = false;
+  for (int j = 0; j < em_contact_law_size(law); j++)
+    has_zero = has_zero || standard.p[j] == 0.0;
+  fit_from(&best, pairs, 0.1);
+  if (has_zero) fit_from(&best, pairs, 0.0);
   return best;
 }
 

@@ -219,6 +219,18 @@ print(json.load(sys.stdin)["scene"])' >"$work/law.cfg" &&
 }
 check "and its scene entry is accepted" snippet
 
+/usr/bin/python3 -c '
+for k in range(60):
+    v = 0.1 * 1.11 ** k
+    print("%.15g %.15g" % (v, 0.35 + 0.65 * (1 + v ** 1.2) ** -0.6))' >"$work/exact.txt"
+power4() { agrees "$one" '
+p = {x["name"]: x["value"] for x in result["parameters"] if x["law"] == "power4"}
+assert result["best"] == "power4"
+for name, truth in (("A", 1.0), ("B", 1.2), ("C", 0.6), ("D", 0.35)):
+    assert abs(p[name] - truth) < 1e-6, p
+' fit "$work/exact.txt"; }
+check "fit finds all four parameters of power4" power4
+
 for to in xdmf xdmf3 vtk lammps csv pov stl; do
   check "export --to $to" post export "$one" --to $to --every 25 -o "$work/export.$to"
 done
