@@ -25,6 +25,12 @@ const char *em_figures_unit(enum em_figures_kind kind) {
   return units[kind];
 }
 
+const struct em_window *em_figures_window(const struct em_figures *figures,
+                                          enum em_figures_kind kind) {
+  const bool counted = kind >= EM_FIGURES_RATE && kind <= EM_FIGURES_RATE_ABOVE;
+  return counted ? &figures->counted : &figures->window;
+}
+
 /* Figures that are means over time, or rates of totals, of one observable. */
 static enum em_status from_observables(struct em_figures *f, const struct em_run_file *run,
                                        double level, struct em_error *err) {
@@ -71,6 +77,7 @@ static enum em_status from_collisions(struct em_figures *f, const struct em_run_
   struct em_gather *gather;
   const enum em_status status = em_gather_new(&gather, run, EM_GATHER_VN, 0, &f->window, err);
   if (status != EM_OK) return status;
+  f->counted = em_gather_window(gather, &f->window);
   for (size_t k = 0; k < sizeof list / sizeof *list; k++)
     f->value[list[k].kind] =
         em_gather_interval(gather, list[k].row, list[k].figure, list[k].parameter, level);
@@ -84,6 +91,7 @@ enum em_status em_figures_read(struct em_figures *figures, const struct em_run_f
   for (int k = 0; k < EM_FIGURES_COUNT; k++)
     figures->value[k] = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
   enum em_status status = em_window_find(&figures->window, run, from, to, err);
+  figures->counted = figures->window;
   if (status == EM_OK) status = from_observables(figures, run, level, err);
   if (status == EM_OK) status = from_collisions(figures, run, threshold, level, err);
   return status;

@@ -30,13 +30,18 @@ enum em_figures_kind { EM_FIGURES_LIST(EM_FIGURES_ENUM) EM_FIGURES_COUNT };
 #undef EM_FIGURES_ENUM
 
 struct em_figures {
-  struct em_window window;
+  struct em_window window, counted; /* counted: of the collisions, in whole blocks of histograms
+                                       where there is no table */
   struct em_interval value[EM_FIGURES_COUNT]; /* value NAN: the run cannot tell */
 };
 
 const char *em_figures_key(enum em_figures_kind kind);
 const char *em_figures_words(enum em_figures_kind kind);
 const char *em_figures_unit(enum em_figures_kind kind);
+
+/* The window that a figure is of. */
+const struct em_window *em_figures_window(const struct em_figures *figures,
+                                          enum em_figures_kind kind);
 
 /* Computes all figures of the window [from, to] (NAN: steady start, end); threshold in m/s. Errors:
  * EM_INPUT, EM_MEMORY and those of reading. */

@@ -2,6 +2,7 @@
 #include "tool/gather.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -248,18 +249,21 @@ static enum em_status from_rows(struct em_gather *gather, const struct em_run_fi
 
 /* ---------------------------------------------------------------- online histograms */
 
-/* Those blocks whose middle lies in the window; all, when there is none. */
+/* Blocks whose middle lies in the window; in one that is too short for any, those it overlaps. */
 static void choose_blocks(const struct em_gather *gather, const struct em_run_file *run,
                           size_t *first, size_t *end) {
   const size_t count = em_run_file_block_count(run);
   *first = *end = 0;
-  for (size_t k = 0; k < count; k++) {
-    const double middle = 0.5 * (em_run_file_block_start(run, k) + em_run_file_block_end(run, k));
-    if (middle < gather->from || middle > gather->to) continue;
-    if (*end == 0) *first = k;
-    *end = k + 1;
-  }
-  if (*end == 0) *end = count;
+  for (int overlap = 0; overlap < 2 && *end == 0; overlap++)
+    for (size_t k = 0; k < count; k++) {
+      const double low = em_run_file_block_start(run, k), high = em_run_file_block_end(run, k);
+      const double middle = 0.5 * (low + high);
+      const bool in = overlap ? low < gather->to && high > gather->from
+                              : middle >= gather->from && middle <= gather->to;
+      if (!in) continue;
+      if (*end == 0) *first = k;
+      *end = k + 1;
+    }
 }
 
 static void count_block(struct em_gather *gather, size_t b, const uint64_t *counts, size_t bins,
@@ -282,9 +286,13 @@ static enum em_status from_online(struct em_gather *gather, const struct em_run_
   const size_t bins = em_run_file_bins(run);
   size_t first, end;
   choose_blocks(gather, run, &first, &end);
-  if (bins == 0 || end == first)
+  if (bins == 0 || em_run_file_block_count(run) == 0)
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                         "the run holds neither a collision table nor histograms");
+  if (end == first)
+    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
+                        "no block of the histograms lies between %g s and %g s", gather->from,
+                        gather->to);
   gather->online = true;
   gather->from = em_run_file_block_start(run, first);
   gather->to = em_run_file_block_end(run, end - 1);
@@ -339,6 +347,15 @@ enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *r
   else
     em_gather_free(gather);
   return status;
+}
+
+struct em_window em_gather_window(const struct em_gather *gather, const struct em_window *asked) {
+  struct em_window used = *asked;
+  used.from = gather->from;
+  used.to = gather->to;
+  if (gather->online && (used.from != asked->from || used.to != asked->to))
+    snprintf(used.how, sizeof used.how, "%.100s; in whole blocks of the histograms", asked->how);
+  return used;
 }
 
 /* ---------------------------------------------------------------- figures */

@@ -56,6 +56,9 @@ enum em_status em_gather_new(struct em_gather **gather, const struct em_run_file
                              struct em_error *err);
 void em_gather_free(struct em_gather *gather);
 
+/* The window that was really used, where `asked` was asked for. */
+struct em_window em_gather_window(const struct em_gather *gather, const struct em_window *asked);
+
 /* ½ m v_n² of row k, with the reduced mass where two balls meet; NAN: there is no such ball. */
 double em_gather_row_energy(const struct em_rows *rows, size_t k, const struct em_balls *balls);
 

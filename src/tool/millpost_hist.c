@@ -320,12 +320,10 @@ static void facts(struct em_report *report, const struct input *in, int runs,
     if (runs == 1) em_report_fact_text(report, "run", "run", "%s", o->run[0]);
     if (runs > 1)
       em_report_fact_text(report, in[r].label, in[r].label, "%g … %g s (%s)", in[r].gather->from,
-                          in[r].gather->to, in[r].window.how);
+                          in[r].gather->to, em_gather_window(in[r].gather, &in[r].window).how);
   }
   if (runs > 1) return;
-  struct em_window used = in[0].window;
-  used.from = in[0].gather->from;
-  used.to = in[0].gather->to;
+  const struct em_window used = em_gather_window(in[0].gather, &in[0].window);
   em_window_report(report, &used);
   em_report_fact_text(report, "source", "read from", "%s",
                       in[0].gather->of_balls ? "frames"

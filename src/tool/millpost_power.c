@@ -72,6 +72,7 @@ static void specific_facts(struct em_report *report, const struct em_balance *b,
 struct useful {
   double above[EM_CLASS_COUNT], all[EM_CLASS_COUNT];
   bool dissipated; /* true: J dissipated; false: J of ½ m_eff v_n² */
+  struct em_window window;
 };
 
 static enum em_status from_table(struct useful *useful, const struct em_run_file *run,
@@ -116,6 +117,7 @@ static enum em_status from_histograms(struct useful *useful, const struct em_run
   struct em_gather *gather;
   const enum em_status status = em_gather_new(&gather, run, EM_GATHER_VN, 0, window, err);
   if (status != EM_OK) return status;
+  useful->window = em_gather_window(gather, window);
   for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
     const double all = squares(gather->total[cls], 0.0);
     if (!(all > 0.0) || b->impact.width != EM_CLASS_COUNT) continue;
@@ -254,6 +256,7 @@ static enum em_status analyse(struct em_report *report, const struct em_run_file
     em_start_free(balls);
     return status;
   }
+  useful.window = window;
   if (em_run_file_has_rows(run))
     status = from_table(&useful, run, &window, threshold, err);
   else if (em_run_file_block_count(run) > 0)
@@ -263,6 +266,11 @@ static enum em_status analyse(struct em_report *report, const struct em_run_file
     em_window_report(report, &window);
     input_facts(report, &balance, o->level);
     specific_facts(report, &balance, balls);
+    if (useful.window.from != window.from || useful.window.to != window.to)
+      em_report_note(report,
+                     "What is above %g m/s is counted from %g s to %g s, in whole blocks of the "
+                     "histograms.",
+                     threshold, useful.window.from, useful.window.to);
     class_table(report, &balance, &useful, threshold, o->level);
     if (balance.blades > 0) blade_table(report, &balance, o->level);
   }
