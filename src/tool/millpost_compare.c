@@ -7,7 +7,7 @@
 #include "tool/figures.h"
 #include "tool/millpost.h"
 
-enum { MOST_RUNS = 16 };
+enum { MOST_RUNS = 16, LABEL = 96 };
 
 static const char *const option_names[] = {"from", "to", "above", "level", "output", ""};
 
@@ -20,13 +20,46 @@ static const struct em_millpost_help help = {
         "Each run is held against the first one. A difference counts as significant when its\n"
         "p-value (Welch), times the number of figures, is below 1 - level; intervals respect "
         "correlation\n"
-        "in time. -o draws all figures relative to the first run.",
+        "in time. Runs go by the names of their files, or by their paths where these are alike. "
+        "-o\n"
+        "draws all figures relative to the first run.",
     .examples = "  millpost compare plain.h5 ramps.h5\n"
                 "  millpost compare 1000rpm.h5 1300rpm.h5 1700rpm.h5 --above 2 -o compare.png",
     .options = option_names,
     .least = 2,
     .most = MOST_RUNS,
 };
+
+/* Is the name of run r that of another run, or a word of the report? */
+static bool is_taken(char name[][LABEL], int r, int runs) {
+  static const char *const words[] = {"command", "threshold", "level", "figures", "notes",
+                                      "units",   "figure",    "key",   "unit"};
+  for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+    if (strcmp(name[r], words[k]) == 0) return true;
+  for (int s = 0; s < runs; s++)
+    if (s != r && strcmp(name[s], name[r]) == 0) return true;
+  return false;
+}
+
+/* Names for keys and headings: that of the file; where it is taken, the end of its path; where that
+ * is taken, too, the number of the run behind it. */
+static void name_runs(char label[][LABEL], char *const *path, int runs) {
+  char name[MOST_RUNS][LABEL];
+  for (int r = 0; r < runs; r++)
+    em_millpost_label(path[r], name[r], LABEL);
+  for (int r = 0; r < runs; r++) {
+    const size_t length = strlen(path[r]), most = LABEL - 16;
+    const char *end = length > most ? path[r] + length - most : path[r];
+    const bool h5 = length > 3 && strcmp(path[r] + length - 3, ".h5") == 0;
+    if (is_taken(name, r, runs))
+      snprintf(label[r], LABEL, "%.*s", (int)(strlen(end) - (h5 ? 3 : 0)), end);
+    else
+      strcpy(label[r], name[r]);
+  }
+  memcpy(name, label, sizeof name);
+  for (int r = 0; r < runs; r++)
+    if (is_taken(name, r, runs)) snprintf(label[r], LABEL, "%.*s (%d)", LABEL - 16, name[r], r + 1);
+}
 
 /* Does any run know this figure, and is it anything but 0? */
 static bool is_known(const struct em_figures *f, int runs, int kind) {
@@ -42,13 +75,24 @@ static int count_known(const struct em_figures *f, int runs) {
   return count;
 }
 
-static void columns(struct em_report *report, char label[][96], int runs) {
+static void window_fact(struct em_report *report, const char *label, const struct em_figures *f) {
+  const struct em_window *w = &f->window, *counted = &f->counted;
+  char collisions[128] = "";
+  if (counted->from != w->from || counted->to != w->to)
+    snprintf(collisions, sizeof collisions,
+             "; collisions %g … %g s, in whole blocks of the histograms", counted->from,
+             counted->to);
+  em_report_fact_text(report, label, label, "%g … %g s (%s)%s", w->from, w->to, w->how, collisions);
+}
+
+static void columns(struct em_report *report, char label[][LABEL], int runs) {
   em_report_begin(report, "figures", NULL);
   em_report_column(report, "figure", "figure", "");
+  em_report_column(report, "key", "key", "");
   em_report_column(report, "unit", "unit", "");
   em_report_column(report, label[0], label[0], "");
   for (int r = 1; r < runs; r++) {
-    char key[128];
+    char key[LABEL + 32];
     em_report_column(report, label[r], label[r], "");
     snprintf(key, sizeof key, "%s_change", label[r]);
     em_report_column(report, key, "change", "");
@@ -64,6 +108,7 @@ static void row(struct em_report *report, const struct em_figures *f, int runs, 
   const struct em_interval *base = &f[0].value[kind];
   const bool share = kind == EM_FIGURES_SHARE_ABOVE;
   em_report_text(report, "%s", em_figures_words((enum em_figures_kind)kind));
+  em_report_text(report, "%s", em_figures_key((enum em_figures_kind)kind));
   em_report_text(report, "%s", em_figures_unit((enum em_figures_kind)kind));
   for (int r = 0; r < runs; r++) {
     const struct em_interval *value = &f[r].value[kind];
@@ -95,8 +140,8 @@ static const struct {
 enum { HEADLINES = sizeof headlines / sizeof *headlines };
 
 /* One group of points per run, at the place of each figure on the axis. */
-static enum em_status draw(const struct em_figures *f, char label[][96], int runs, double threshold,
-                           const char *path, struct em_error *err) {
+static enum em_status draw(const struct em_figures *f, char label[][LABEL], int runs,
+                           double threshold, const char *path, struct em_error *err) {
   struct em_plot_series series[MOST_RUNS];
   double x[MOST_RUNS][HEADLINES], y[MOST_RUNS][HEADLINES], half[MOST_RUNS][HEADLINES];
   const char *name[HEADLINES];
@@ -142,12 +187,13 @@ int em_millpost_compare(int argc, char **argv) {
   if (code >= 0) return code;
   const double threshold = isnan(o.above) ? 3.0 : o.above;
   struct em_figures figures[MOST_RUNS];
-  char label[MOST_RUNS][96];
+  char label[MOST_RUNS][LABEL];
   struct em_error err = {.code = EM_OK};
   struct em_report *report = em_report_new("compare");
   em_report_fact(report, "threshold", "threshold", threshold, "m/s");
   em_report_fact(report, "level", "level of the intervals", o.level, "");
   enum em_status status = EM_OK;
+  name_runs(label, o.run, o.run_count);
   for (int r = 0; r < o.run_count && status == EM_OK; r++) {
     struct em_run_file *run = NULL;
     status = em_millpost_open(&run, o.run[r], &err);
@@ -155,9 +201,7 @@ int em_millpost_compare(int argc, char **argv) {
       status = em_figures_read(&figures[r], run, o.from, o.to, threshold, o.level, &err);
     em_run_file_close(run);
     if (status != EM_OK) break;
-    em_millpost_label(o.run[r], label[r], sizeof label[r]);
-    em_report_fact_text(report, label[r], label[r], "%g … %g s (%s)", figures[r].window.from,
-                        figures[r].window.to, figures[r].window.how);
+    window_fact(report, label[r], &figures[r]);
   }
   if (status == EM_OK) {
     const int tests = count_known(figures, o.run_count) * (o.run_count - 1);

@@ -176,6 +176,23 @@ assert f["power of the blades"]["fast_change"] > 0.3
 ' compare "$plain" "$fast" --from 0.1; }
 check "compare finds that 1700 rpm takes more power than 1300" faster
 check "compare draws" post compare "$plain" "$fast" "$one" --from 0.1 -o "$work/compare.png"
+mkdir "$work/a" "$work/b"
+cp "$plain" "$work/a/run.h5"
+cp "$fast" "$work/b/run.h5"
+keys() { # runs of one file name, and one that is called like a key
+  cp "$plain" "$work/level.h5"
+  (cd "$work" && post compare a/run.h5 b/run.h5 b/run.h5 level.h5 --json) | /usr/bin/python3 -c '
+import json, sys
+def unique(pairs):
+    assert len({k for k, _ in pairs}) == len(pairs), pairs
+    return dict(pairs)
+result = json.load(sys.stdin, object_pairs_hook=unique)
+assert "a/run" in result["figures"][0], result
+keys = [f["key"] for f in result["figures"]]
+assert len(set(keys)) == len(keys) and "median_vn_ball_ball" in keys
+'
+}
+check "compare gives each run and each figure a key of its own" keys
 check "scale" post scale "$plain" "$fast" --from 0.1
 
 expect 0 "" "verify accepts an ideal gas" post verify "$gas"
