@@ -58,6 +58,8 @@ static const struct em_millpost_option options[] = {
     OPTION("scene", NULL, "print the scene that the run was made from", FLAG, scene),
     OPTION("output", "FILE", "-o FILE: write a picture (.png .svg .pdf, or .gp for gnuplot)", TEXT,
            out),
+    {"tables", "FILE.h5", "-o FILE.h5: write all three tables (HDF5)", EM_MILLPOST_TEXT, AT(out),
+     "output", 0, NULL},
     {"result", "FILE", "-o FILE: what to write; default: beside the run, with its name",
      EM_MILLPOST_TEXT, AT(out), "output", 0, NULL},
     {"csv", NULL, "print comma-separated values", EM_MILLPOST_CHOICE, AT(format), NULL,

@@ -12,7 +12,10 @@
 #include "tool/millpost.h"
 #include "version.h"
 
-static const char *const option_names[] = {"of", "from", "to", "above", "level", "output", ""};
+/* Columns between those of the points and the figures. */
+enum { FACTS = 6 };
+
+static const char *const option_names[] = {"of", "from", "to", "above", "level", "tables", ""};
 
 static const struct em_millpost_help help = {
     .name = "table",
@@ -23,10 +26,12 @@ static const struct em_millpost_help help = {
         "from its own folder. All its columns come first in the table, then each key figure and\n"
         "the half width of its confidence interval. Runs that are missing or not finished are left "
         "out.\n"
+        "counted_from and counted_to: of what is counted in collisions, in whole blocks of "
+        "histograms\n"
+        "where there is no collision table.\n"
         "--of runs: a row per run (default)\n"
         "--of points: a row per value of the column 'point'; repeated runs are averaged\n"
-        "--of provenance: version, machine and computing time of each run\n"
-        "-o TABLE.h5 writes all three as groups of datasets.",
+        "--of provenance: version, machine and computing time of each run",
     .examples = "  millpost table sweeps/map/points.csv --csv > map.csv\n"
                 "  millpost table sweeps/map/points.csv --of points --from 0.2 -o map.h5",
     .options = option_names,
@@ -49,6 +54,8 @@ static enum em_status no_memory(struct em_error *err) {
 static bool add_columns(struct em_grid *runs, double level) {
   bool good = em_grid_add(runs, "simulated_time", "s", false) &&
               em_grid_add(runs, "from", "s", false) && em_grid_add(runs, "to", "s", false) &&
+              em_grid_add(runs, "counted_from", "s", false) &&
+              em_grid_add(runs, "counted_to", "s", false) &&
               em_grid_add(runs, "total_collisions", "", false);
   for (int k = 0; k < EM_FIGURES_COUNT && good; k++) {
     char key[96];
@@ -111,10 +118,12 @@ static enum em_status fill_figures(struct em_grid *runs, size_t row, size_t firs
   c[0].number[row] = em_run_file_state(run)->time;
   c[1].number[row] = figures.window.from;
   c[2].number[row] = figures.window.to;
-  c[3].number[row] = (double)em_run_file_state(run)->collisions;
+  c[3].number[row] = figures.counted.from;
+  c[4].number[row] = figures.counted.to;
+  c[5].number[row] = (double)em_run_file_state(run)->collisions;
   for (int k = 0; k < EM_FIGURES_COUNT; k++) {
-    c[4 + 2 * k].number[row] = figures.value[k].value;
-    c[5 + 2 * k].number[row] = figures.value[k].half;
+    c[FACTS + 2 * k].number[row] = figures.value[k].value;
+    c[FACTS + 2 * k + 1].number[row] = figures.value[k].half;
   }
   return EM_OK;
 }
@@ -189,11 +198,12 @@ static enum em_status read_runs(struct tables *t, const struct em_millpost_optio
 enum pooling { FIRST, MEAN, HALF, SUM, LEFT_OUT };
 
 static enum pooling pooling_of(const struct em_grid *runs, size_t c, size_t axes) {
-  static const char *const out[] = {"repeat", "seed", "run", "from", "to"};
+  static const char *const out[] = {"repeat", "seed",         "run",       "from",
+                                    "to",     "counted_from", "counted_to"};
   for (size_t k = 0; k < sizeof out / sizeof *out; k++)
     if (strcmp(runs->column[c].key, out[k]) == 0) return LEFT_OUT;
   if (c < axes) return FIRST;
-  if (c < axes + 4) return SUM;
+  if (c < axes + FACTS) return SUM;
   return (c - axes) % 2 == 0 ? MEAN : HALF;
 }
 
@@ -310,11 +320,15 @@ int em_millpost_table(int argc, char **argv) {
     which++;
   if (which == 3)
     return em_millpost_usage("table", "--of %s: expected runs, points or provenance", of);
+  const size_t length = o.out ? strlen(o.out) : 0;
+  if (o.out && (length <= 3 || strcmp(o.out + length - 3, ".h5") != 0))
+    return em_millpost_usage("table", "-o %s: expected a name that ends in .h5", o.out);
   const char *slash = strrchr(o.run[0], '/');
   if (slash) snprintf(t.folder, sizeof t.folder, "%.*s/", (int)(slash - o.run[0]), o.run[0]);
   struct em_error err = {.code = EM_OK};
   enum em_status status = read_runs(&t, &o, &err);
-  if (status == EM_OK) status = pool_runs(&t, t.runs.columns - (4 + 2 * EM_FIGURES_COUNT), &err);
+  if (status == EM_OK)
+    status = pool_runs(&t, t.runs.columns - (FACTS + 2 * EM_FIGURES_COUNT), &err);
   if (status == EM_OK && o.out) status = write_file(&t, &o, &err);
   const int result =
       status == EM_OK ? print(&t, grids[which], names[which], &o) : em_millpost_fail(&err);

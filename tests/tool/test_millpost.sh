@@ -93,6 +93,31 @@ PY
 }
 check "online histograms tell the same as the table" online
 
+brief() { # in a window shorter than a block, the blocks that it overlaps, and no others
+  agrees "$plain" '
+start, end = (h["eventmill/histogram/" + k][...] for k in ("start", "end"))
+k = np.flatnonzero((start < 0.204) & (end > 0.202))
+assert len(k) == 1 and result["from"] == start[k[0]] and result["to"] == end[k[0]], result
+assert "whole blocks" in result["from_how"]
+count = h["eventmill/histogram/counts"][k[0]].sum()
+assert [c["count"] for c in result["how_often"] if c["class"] == "all"] == [count]
+' hist "$plain" --from 0.202 --to 0.204
+}
+check "a window shorter than a block of histograms" brief
+told() { post compare "$plain" "$fast" --from 0.202 --to 0.204 --json >"$work/json" &&
+  grep -q '"plain": "0.202 … 0.204 s (as given); collisions 0.2 … 0.21 s' "$work/json"; }
+check "compare tells from when to when collisions are counted" told
+printf 'point,run\n1,plain.h5\n' >"$work/points.csv"
+table() { agrees "$plain" '
+row = result["runs"][0]
+assert (row["from"], row["to"]) == (0.202, 0.204), row
+assert (row["counted_from"], row["counted_to"]) == (0.2, 0.21), row
+' table "$work/points.csv" --from 0.202 --to 0.204; }
+check "so does table" table
+expect 2 "ends in .h5" "table writes HDF5 alone" post table "$work/points.csv" -o "$work/points.png"
+check "and leaves nothing else" test ! -e "$work/points.png"
+check "all tables in one file" post table "$work/points.csv" -o "$work/points.h5"
+
 speed() { agrees "$one" '
 f = h["particles/balls"]
 time = f["velocity/time"][...]
