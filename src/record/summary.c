@@ -149,8 +149,7 @@ static void fill_samples(struct em_summary *summary, const struct em_summary_par
         summary->simulated_time > 0.0 ? em_observe_work(world) / summary->simulated_time : NAN;
 }
 
-/* Does gravity pull balls across a periodic boundary, where potential energy has no meaning? */
-static bool falls_for_ever(const struct em_scene *scene) {
+bool em_summary_falls_for_ever(const struct em_scene *scene) {
   const double g[3] = {scene->gravity.x, scene->gravity.y, scene->gravity.z};
   for (int i = 0; i < 3; i++)
     if (scene->chamber.shape == EM_SHAPE_BOX && scene->chamber.periodic[i] && g[i] != 0.0)
@@ -158,16 +157,19 @@ static bool falls_for_ever(const struct em_scene *scene) {
   return false;
 }
 
+double em_summary_energy_scale(double kinetic_start, double kinetic, double rise, double work,
+                               double lost) {
+  return fmax(fmax(kinetic_start, kinetic), fmax(fabs(rise), fmax(fabs(work), fabs(lost))));
+}
+
 static double energy_error(const struct em_scene *scene, const struct em_world *world,
                            const struct em_run_state *state, const struct em_energy *now) {
-  if (falls_for_ever(scene)) return NAN;
+  if (em_summary_falls_for_ever(scene)) return NAN;
   const double kinetic = now->kinetic + now->spin;
   const double work = em_observe_work(world), lost = em_observe_lost(world);
   const double rise = now->potential - state->potential_start;
   const double gap = (state->kinetic_start - kinetic) - rise + work - lost;
-  double scale = fmax(state->kinetic_start, kinetic);
-  scale = fmax(scale, fmax(fabs(work), fabs(lost)));
-  scale = fmax(scale, fabs(rise));
+  const double scale = em_summary_energy_scale(state->kinetic_start, kinetic, rise, work, lost);
   return scale > 0.0 ? fabs(gap) / scale : 0.0;
 }
 

@@ -31,6 +31,14 @@ void em_summary_block(struct em_summary_part *part, double start, double end,
 void em_summary_warn(const struct em_summary_part *part, const struct em_scene *scene, char *text,
                      size_t size);
 
+/* Does gravity pull balls across a periodic boundary, where potential energy has no meaning? */
+bool em_summary_falls_for_ever(const struct em_scene *scene);
+
+/* What an error of the energy balance is relative to: the largest of the energies (J) that took
+ * part. kinetic: with spin; rise: of the potential energy. */
+double em_summary_energy_scale(double kinetic_start, double kinetic, double rise, double work,
+                               double lost);
+
 /* Figures that follow from the world as it is. */
 void em_summary_fill(struct em_summary *summary, const struct em_summary_part *part,
                      const struct em_scene *scene, const struct em_world *world,

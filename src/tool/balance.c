@@ -1,8 +1,11 @@
 /* The energy balance of a run. */
 #include "tool/balance.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "record/summary.h"
 
 static enum em_status read_all(struct em_balance *b, const struct em_run_file *run,
                                const struct em_window *window, struct em_error *err) {
@@ -40,6 +43,7 @@ enum em_status em_balance_new(struct em_balance *balance, const struct em_run_fi
     status = em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                           "fewer than two samples of the observables between %g s and %g s",
                           window->from, window->to);
+  balance->falls = em_summary_falls_for_ever(em_run_file_scene(run));
   if (status == EM_OK) balance->time = lost->time[lost->count - 1] - lost->time[0];
   if (status != EM_OK) em_balance_free(balance);
   return status;
@@ -54,10 +58,13 @@ void em_balance_free(struct em_balance *b) {
   memset(b, 0, sizeof *b);
 }
 
-/* Growth of a trace's sum between two samples; 0 when the run has no such observable. */
+/* A trace's sum at sample k; 0 when the run has no such observable. */
+static double sum_at(const struct em_trace *trace, size_t k) {
+  return k < trace->count ? em_trace_sum(trace, k, 0, trace->width) : 0.0;
+}
+
 static double growth(const struct em_trace *trace, size_t from, size_t to) {
-  if (trace->count <= to) return 0.0;
-  return em_trace_sum(trace, to, 0, trace->width) - em_trace_sum(trace, from, 0, trace->width);
+  return sum_at(trace, to) - sum_at(trace, from);
 }
 
 static double step(const struct em_balance *b, size_t from, size_t to) {
@@ -76,6 +83,7 @@ static double by_torque(const struct em_balance *b, size_t from, size_t to) {
 }
 
 static double stored(const struct em_balance *b, size_t from, size_t to) {
+  if (b->falls) return NAN;
   return (growth(&b->kinetic, from, to) + growth(&b->spin, from, to) +
           growth(&b->potential, from, to)) /
          step(b, from, to);
@@ -104,6 +112,20 @@ double em_balance_by_torque(const struct em_balance *balance) {
 
 double em_balance_by_energy(const struct em_balance *balance) {
   return by_energy(balance, 0, last(balance));
+}
+
+double em_balance_mismatch(const struct em_balance *b) {
+  const double work = em_balance_by_work(b), torque = em_balance_by_torque(b);
+  const double energy = em_balance_by_energy(b);
+  const double difference = b->time * fmax(fabs(work - energy), fabs(torque - energy));
+  const double start = sum_at(&b->kinetic, 0) + sum_at(&b->spin, 0);
+  const double end = sum_at(&b->kinetic, last(b)) + sum_at(&b->spin, last(b));
+  const double drum = growth(&b->drum, 0, last(b)), lost = growth(&b->lost, 0, last(b));
+  const double put_in = fmax(b->time * fmax(fabs(work), fabs(torque)), fabs(drum));
+  const double scale =
+      em_summary_energy_scale(start, end, growth(&b->potential, 0, last(b)), put_in, lost);
+  if (isnan(energy)) return NAN;
+  return scale > 0.0 ? difference / scale : 0.0;
 }
 
 double em_balance_stored(const struct em_balance *balance) {

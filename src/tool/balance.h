@@ -3,6 +3,8 @@
 #ifndef EVENTMILL_BALANCE_H
 #define EVENTMILL_BALANCE_H
 
+#include <stdbool.h>
+
 #include "eventmill/contact.h"
 #include "eventmill/interval.h"
 #include "tool/trace.h"
@@ -14,6 +16,7 @@ struct em_balance {
   struct em_trace lost, impact;             /* per class: J dissipated, J of Σ ½ m_eff v_n² */
   struct em_trace kinetic, spin, potential; /* J */
   double *omega;                            /* rad/s per blade */
+  bool falls; /* gravity pulls balls across a periodic boundary: what is stored has no meaning */
   size_t blades;
 };
 
@@ -24,11 +27,14 @@ enum em_status em_balance_new(struct em_balance *balance, const struct em_run_fi
 void em_balance_free(struct em_balance *balance);
 
 /* Mean power (W) of the blades over the window, in three ways that must agree: work done in the
- * contacts; torque times speed, Σ ω ΔL/Δt; energy balance, (ΔE + dissipated − work of the drum)/Δt.
- */
+ * contacts; torque times speed, Σ ω ΔL/Δt; energy balance, (ΔE + dissipated − work of the drum)/Δt
+ * (NAN where potential energy has no meaning). */
 double em_balance_by_work(const struct em_balance *balance);
 double em_balance_by_torque(const struct em_balance *balance);
 double em_balance_by_energy(const struct em_balance *balance);
+
+/* Largest difference between the three, relative to the largest of the energies that took part. */
+double em_balance_mismatch(const struct em_balance *balance);
 
 double em_balance_stored(const struct em_balance *balance);     /* W, growth of the energy */
 double em_balance_dissipated(const struct em_balance *balance); /* W, all classes */

@@ -33,8 +33,7 @@ static const struct em_millpost_help help = {
 /* ---------------------------------------------------------------- facts */
 
 static void input_facts(struct em_report *report, const struct em_balance *b, double level) {
-  const double work = em_balance_by_work(b), torque = em_balance_by_torque(b);
-  const double energy = em_balance_by_energy(b);
+  const double torque = em_balance_by_torque(b), energy = em_balance_by_energy(b);
   if (b->blades > 0) {
     const struct em_interval power = em_trace_rate_interval(&b->work, 0, b->work.width, level);
     em_report_fact_interval(report, "power", "power of the blades", &power, "W");
@@ -45,12 +44,12 @@ static void input_facts(struct em_report *report, const struct em_balance *b, do
     em_report_fact(report, "power_drum", "power of the drum",
                    em_trace_rate(&b->drum, 0, b->drum.width), "W");
   const double dissipated = em_balance_dissipated(b), stored = em_balance_stored(b);
-  const double scale = fmax(fmax(fabs(torque), fabs(energy)), fabs(dissipated));
-  const double difference = fmax(fabs(work - energy), fabs(torque - energy));
   em_report_fact(report, "dissipated", "dissipated", dissipated, "W");
   em_report_fact(report, "stored", "stored", stored, "W");
-  em_report_fact(report, "imbalance", "largest difference / power",
-                 scale > 0.0 ? difference / scale : NAN, "");
+  em_report_fact(report, "imbalance", "largest difference / energy", em_balance_mismatch(b), "");
+  if (b->falls)
+    em_report_note(report, "There is no balance of energy: gravity pulls the balls across a "
+                           "periodic boundary.");
 }
 
 static void specific_facts(struct em_report *report, const struct em_balance *b,
