@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "record/summary.h"
 #include "tool/trace.h"
 
 /* Ball-ball collisions per ball: until the start is forgotten, between two samples of the same
@@ -53,6 +54,10 @@ void em_gas_free(struct em_gas *gas) {
 
 /* ---------------------------------------------------------------- what a scene promises */
 
+static bool is_closed_loop(const struct em_chamber *c) {
+  return c->shape == EM_SHAPE_BOX && c->periodic[0] && c->periodic[1] && c->periodic[2];
+}
+
 static bool is_elastic(const struct em_contact_law *law) {
   if (law->normal.law != EM_LAW_CONSTANT || law->normal.p[0] != 1.0) return false;
   if (law->rule == EM_RULE_SMOOTH) return true;
@@ -65,6 +70,8 @@ const char *em_gas_no_velocities(const struct em_scene *scene) {
   for (size_t r = 0; r < scene->rotor_count; r++)
     for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
       if (scene->rotor[r].blade[k].omega != 0.0) return "a rotor drives the balls";
+  if (em_summary_falls_for_ever(scene) && !is_closed_loop(c))
+    return "gravity pulls the balls across a periodic boundary";
   if (c->ramp_half > 0.0) return "faked ramps do not reflect like walls";
   for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
     if (cls == EM_CLASS_BLADE && em_scene_blade_count(scene) == 0) continue;
@@ -80,6 +87,22 @@ const char *em_gas_no_places(const struct em_scene *scene) {
   if (em_scene_blade_count(scene) > 0) return "blades take up space";
   if (scene->chamber.facets > 0) return "the drum has facets, the laws are of a round one";
   return "";
+}
+
+bool em_gas_has(const struct em_scene *scene, enum em_gas_quantity q) {
+  const struct em_chamber *c = &scene->chamber;
+  const bool box = c->shape == EM_SHAPE_BOX;
+  switch (q) {
+  case EM_GAS_VN_DRUM:
+    return !box || !c->periodic[0] || !c->periodic[2];
+  case EM_GAS_VN_END:
+    return !box || !c->periodic[1];
+  case EM_GAS_DRUM_ANGLE:
+  case EM_GAS_DRUM_AXIAL:
+    return !box;
+  default:
+    return true;
+  }
 }
 
 /* ---------------------------------------------------------------- how often balls collide */
@@ -136,15 +159,16 @@ static enum em_status read_energy(struct em_gas *gas, const struct em_run_file *
   if (status != EM_OK) return status;
   status = em_trace_read(&potential, run, "potential_energy", &all, err);
   if (status == EM_OK) status = em_trace_read(&spin, run, "spin_energy", &all, err);
-  if (status == EM_OK && kinetic.count > 0) {
-    gas->energy_drift = 0.0;
+  if (status == EM_OK && kinetic.count > 0 && !em_summary_falls_for_ever(scene)) {
+    double gap = 0.0, scale = 0.0;
     for (size_t k = 0; k < kinetic.count; k++) {
-      double e = kinetic.value[k];
-      if (potential.count == kinetic.count) e += potential.value[k];
-      if (spin.count == kinetic.count) e += spin.value[k];
-      const double drift = fabs(e - state->energy_start) / fabs(state->kinetic_start);
-      gas->energy_drift = fmax(gas->energy_drift, drift);
+      double moving = kinetic.value[k], rise = 0.0;
+      if (spin.count == kinetic.count) moving += spin.value[k];
+      if (potential.count == kinetic.count) rise = potential.value[k] - state->potential_start;
+      gap = fmax(gap, fabs(moving + rise - state->kinetic_start));
+      scale = fmax(scale, em_summary_energy_scale(state->kinetic_start, moving, rise, 0.0, 0.0));
     }
+    gas->energy_drift = scale > 0.0 ? gap / scale : 0.0;
   }
   em_trace_free(&kinetic);
   em_trace_free(&potential);
@@ -163,10 +187,6 @@ static bool reserve(struct em_gas *gas, enum em_gas_quantity q, size_t most) {
 
 static void put(struct em_gas *gas, enum em_gas_quantity q, size_t most, double x) {
   if (gas->n[q] < most && isfinite(x)) gas->x[q][gas->n[q]++] = x;
-}
-
-static bool is_closed_loop(const struct em_chamber *c) {
-  return c->shape == EM_SHAPE_BOX && c->periodic[0] && c->periodic[1] && c->periodic[2];
 }
 
 /* Velocity of the centre of mass; 0 unless momentum is conserved. */
@@ -248,7 +268,7 @@ static void name_waves(struct em_gas *gas, const struct em_chamber *c) {
   static const char *const box_key[] = {"position_x", "position_y", "position_z"};
   static const char *const box_words[] = {"positions, x", "positions, y", "positions, z"};
   const bool box = c->shape == EM_SHAPE_BOX;
-  for (int w = 0; w < 3; w++) {
+  for (int w = 0; w < (box ? 3 : 2); w++) {
     gas->waves[w].key = box ? box_key[w] : w == 0 ? "position_angle" : "position_axial";
     gas->waves[w].words = box      ? box_words[w]
                           : w == 0 ? "positions, angle"
@@ -282,9 +302,10 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
   name_waves(gas, &scene->chamber);
   struct em_balls *balls = NULL;
   enum em_status status = em_run_file_balls(run, &balls, err);
-  bool alike = true;
+  gas->alike = true;
   for (size_t i = 1; status == EM_OK && i < balls->count; i++)
-    alike = alike && balls->mass[i] == balls->mass[0] && balls->radius[i] == balls->radius[0];
+    gas->alike =
+        gas->alike && balls->mass[i] == balls->mass[0] && balls->radius[i] == balls->radius[0];
   double before = -INFINITY, wave_before = 0.0; /* the start is a frame to stay away from */
   if (status == EM_OK) gas->wave_spacing = wave_spacing(pace, scene, gas->kt, balls->mass[0]);
   for (size_t k = 0; status == EM_OK && k < frames; k++) {
@@ -292,7 +313,7 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
     if (t < from || t > to) continue;
     status = em_run_file_frame(run, k, balls, err);
     if (status != EM_OK) break;
-    if (alike && pace_at(pace, t) - wave_before >= gas->wave_spacing) {
+    if (gas->alike && pace_at(pace, t) - wave_before >= gas->wave_spacing) {
       take_waves(gas, balls, scene);
       wave_before = pace_at(pace, t);
     }
@@ -444,12 +465,17 @@ static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
   const struct em_scene *scene = em_run_file_scene(run);
   const double end = em_run_file_state(run)->time;
   if (isnan(to) || to > end) to = end;
-  if (isnan(from)) from = settled(pace);
+  const bool given = !isnan(from);
+  if (!given) from = settled(pace);
+  if (!(from < to) && given)
+    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0, "nothing between %g s and %g s",
+                        from, to);
   if (!(from < to))
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
-                        "too short to verify: %.3g ball-ball collisions per ball, at least %g are "
-                        "needed before the start is forgotten",
-                        pace_at(pace, end), SETTLE);
+                        "too short to verify: the start is forgotten after %g ball-ball collisions "
+                        "per ball, until %g s there are %.3g",
+                        SETTLE, to, pace_at(pace, to));
+  gas->collisions = pace_at(pace, to);
   enum em_status status = read_energy(gas, run, scene, err);
   if (status == EM_OK) status = from_frames(gas, run, pace, from, to, err);
   if (status != EM_OK) return status;

@@ -45,18 +45,21 @@ enum { EM_GAS_MODES = 4 };
  * (Carnahan & Starling 1969). Waves that end at walls are odd: the layers of balls at both walls
  * cancel. */
 struct em_gas_waves {
-  const char *key, *words;
-  double chi2;    /* Σ (amplitude/σ)² */
-  size_t freedom; /* number of its terms */
+  const char *key, *words; /* NULL: the chamber has no such coordinate */
+  double chi2;             /* Σ (amplitude/σ)² */
+  size_t freedom;          /* number of its terms */
 };
 
 struct em_gas {
   double kt;           /* J, from the energy at the start (with gravity: of the frames) */
   double kt_frames;    /* J, from the balls' velocities */
   double mass, sigma;  /* kg, and m/s: √(kT/m); NAN for balls of several masses */
-  double energy_drift; /* largest |E(t) − E(0)|/E(0) of the observables; NAN: none */
+  double energy_drift; /* largest |E(t) − E(0)| of the observables, relative to the largest energy;
+                          NAN: none, or gravity pulls balls across a periodic boundary */
   double square[3];    /* Σ m v_x²/kT, the same of y and z, over the sampled frames */
+  double collisions;   /* per ball, between balls, from the start to the end of the window */
   double wave_spacing; /* collisions per ball between two frames for the waves */
+  bool alike;          /* all balls: only then are there waves */
   size_t frames, wave_frames, windows;
   size_t n[EM_GAS_COUNT];
   double *x[EM_GAS_COUNT]; /* in units of the law's parameter; [0, 1] for uniform ones; owned */
@@ -71,6 +74,9 @@ enum em_gas_tie em_gas_tie(enum em_gas_quantity q);
 /* Why the laws of velocities, and those of places, need not hold in a scene; "" when they must. */
 const char *em_gas_no_velocities(const struct em_scene *scene);
 const char *em_gas_no_places(const struct em_scene *scene);
+
+/* Does the chamber have the walls that a quantity is of? */
+bool em_gas_has(const struct em_scene *scene, enum em_gas_quantity q);
 
 /* Samples a run. from: NAN: when the start is forgotten. Errors: EM_INPUT (no frames, or too few
  * collisions), EM_MEMORY and those of reading. */

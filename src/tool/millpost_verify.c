@@ -30,7 +30,10 @@ static const struct em_millpost_help help = {
         "impact parameters (linear) are tested by χ² and Kolmogorov-Smirnov. Values are taken far\n"
         "enough apart to be independent. Laws of collisions need record.collisions=true. Where a "
         "law\n"
-        "need not hold (a turning rotor, ε < 1, places under gravity) that is said instead. With\n"
+        "need not hold (a turning rotor, ε < 1, places under gravity) or a run is too short to "
+        "test "
+        "it,\n"
+        "that is said instead; without the law of speeds the verdict is 'undecided'. With\n"
         "-o FILE.png a diagram per law is written: FILE-speed.png, ...",
     .examples = "  mill run geometries/ideal-gas.cfg record.collisions=true -o gas.h5\n"
                 "  millpost verify gas.h5 -o gas.png\n"
@@ -44,8 +47,10 @@ static const struct em_millpost_help help = {
 struct trial {
   struct em_report *report;
   const struct em_gas *gas;
+  const struct em_scene *scene;
+  bool rows; /* the run has a collision table */
   double alpha;
-  int tests;
+  int tests, untested; /* untested: laws */
   double p[MOST_TESTS];
   char name[MOST_TESTS][96];
 };
@@ -121,9 +126,23 @@ static void row_p(struct trial *trial, const char *words, double chi2, double fr
   note_p(trial, words, "Kolmogorov-Smirnov", p_ks);
 }
 
+/* False, and a note, when there are too few values of a law that the run could tell. */
+static bool is_enough(struct trial *trial, const char *words, size_t n) {
+  if (n >= LEAST_VALUES) return true;
+  em_report_note(trial->report, "Not tested: %s; %zu values, at least %d are needed.", words, n,
+                 LEAST_VALUES);
+  trial->untested++;
+  return false;
+}
+
 static enum em_status value_row(struct trial *trial, enum em_gas_quantity q) {
   const struct em_gas *gas = trial->gas;
-  if (gas->n[q] < LEAST_VALUES) return EM_OK;
+  if (!em_gas_has(trial->scene, q)) return EM_OK;
+  if (q >= EM_GAS_RELATIVE && !trial->rows) {
+    trial->untested++;
+    return EM_OK;
+  }
+  if (!is_enough(trial, em_gas_words(q), gas->n[q])) return EM_OK;
   struct em_goodness chi2, ks;
   const enum em_status status =
       test_values(&chi2, &ks, em_gas_tie(q), em_gas_law(q), gas->x[q], gas->n[q]);
@@ -141,7 +160,9 @@ static enum em_status value_row(struct trial *trial, enum em_gas_quantity q) {
 /* Σ v_x², Σ v_y², Σ v_z² share the energy like a Dirichlet law with A = 3n/2: (A+1) Σ (s−⅓)²/⅓ is
  * χ² with 2 degrees of freedom. */
 static void isotropy_row(struct trial *trial) {
+  static const char *const words = "energy of x, y, z alike";
   const struct em_gas *gas = trial->gas;
+  if (!is_enough(trial, words, gas->n[EM_GAS_SPEED])) return;
   const double *e = gas->square, sum = e[0] + e[1] + e[2];
   const double n = (double)gas->n[EM_GAS_SPEED];
   double chi2 = 0.0;
@@ -149,14 +170,26 @@ static void isotropy_row(struct trial *trial) {
     const double s = e[d] / sum - 1.0 / 3.0;
     chi2 += 3.0 * (1.5 * n + 1.0) * s * s;
   }
-  row_begin(trial, "energy of x, y, z alike", "dirichlet", gas->n[EM_GAS_SPEED]);
+  row_begin(trial, words, "dirichlet", gas->n[EM_GAS_SPEED]);
   em_report_blank(trial->report);
   em_report_blank(trial->report);
-  row_p(trial, "energy of x, y, z alike", chi2, 2.0, gsl_cdf_chisq_Q(chi2, 2.0), NAN, NAN);
+  row_p(trial, words, chi2, 2.0, gsl_cdf_chisq_Q(chi2, 2.0), NAN, NAN);
 }
 
 static void wave_row(struct trial *trial, const struct em_gas_waves *waves) {
-  if (waves->freedom == 0) return;
+  const struct em_gas *gas = trial->gas;
+  if (!waves->key || !is_enough(trial, waves->words, em_scene_ball_count(trial->scene))) return;
+  if (!gas->alike)
+    em_report_note(trial->report, "Not tested: %s; the balls are not alike.", waves->words);
+  else if (gas->wave_frames == 0)
+    em_report_note(trial->report,
+                   "Not tested: %s; it takes a frame %.3g ball-ball collisions per ball after the "
+                   "start, the run has %.3g.",
+                   waves->words, gas->wave_spacing, gas->collisions);
+  if (waves->freedom == 0) {
+    trial->untested++;
+    return;
+  }
   const double freedom = (double)waves->freedom;
   row_begin(trial, waves->words, "uniform, by waves", waves->freedom);
   em_report_blank(trial->report);
@@ -210,13 +243,23 @@ static int count_refuted(const struct trial *trial) {
 
 static int conclude(struct trial *trial, bool conserved) {
   const double drift = trial->gas->energy_drift;
+  const bool decided = trial->gas->n[EM_GAS_SPEED] >= LEAST_VALUES;
   int refuted = count_refuted(trial);
+  if (conserved && isnan(drift))
+    em_report_note(trial->report, "Not tested: that energy is conserved; gravity pulls the balls "
+                                  "across a periodic boundary.");
   if (conserved && drift > ENERGY_LIMIT) {
     em_report_note(trial->report, "REFUTED: energy is conserved; it drifts by %.2g", drift);
     refuted++;
   }
-  em_report_fact_text(trial->report, "verdict", "verdict", refuted ? "refuted" : "holds");
-  if (!refuted)
+  em_report_fact_text(trial->report, "verdict", "verdict",
+                      refuted   ? "refuted"
+                      : decided ? "holds"
+                                : "undecided: too few values");
+  em_report_fact_count(trial->report, "tests", "tests", (uint64_t)trial->tests);
+  em_report_fact_count(trial->report, "untested", "laws that are not tested",
+                       (uint64_t)trial->untested);
+  if (!refuted && decided)
     em_report_note(trial->report, "All %d tests hold (smallest p × number of tests above %g).",
                    trial->tests, trial->alpha);
   return refuted ? EM_MILLPOST_REFUTED : EM_MILLPOST_DONE;
@@ -313,7 +356,11 @@ static int run_with(const struct em_run_file *run, const struct em_millpost_opti
     em_report_note(report, "Laws of collisions are not tested: the run has no collision table.");
   struct em_gas *gas;
   enum em_status status = em_gas_new(&gas, run, o->from, o->to, &err);
-  struct trial trial = {.report = report, .gas = gas, .alpha = o->alpha};
+  struct trial trial = {.report = report,
+                        .gas = gas,
+                        .scene = scene,
+                        .rows = em_run_file_has_rows(run),
+                        .alpha = o->alpha};
   int code = EM_MILLPOST_DONE;
   if (status == EM_OK) {
     facts(report, gas);

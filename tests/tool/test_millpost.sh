@@ -234,6 +234,39 @@ v, e = h["particles/balls/velocity/value"], h["eventmill/collisions/normal"]
 $1
 PY
 }
+verdict() { # VERDICT CODE COMMAND ...
+  local verdict=$1 code=$2
+  shift 2
+  agrees "$gas" "assert result['verdict'].split(':')[0] == '$verdict', result
+$code" verify "$@"
+}
+ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
+cat >"$work/loop.cfg" <<'CFG'
+duration = 2.0;
+gravity = [0.0, 0.0, -9.81];
+chamber = { shape = "box"; size = [0.05, 0.05, 0.05]; periodic = [true, true, true]; };
+balls = { count = 150; diameter = 0.003; density = 7850.0; start = "uniform"; speed = 1.0; };
+contact = { rule = "smooth"; normal = 1.0; };
+record = { frames = 50.0; observables = 100.0; };
+CFG
+run geometries/bouncing-ball.cfg contact.normal=1 duration=2 -o "$ball" >"$work/out" &&
+  run geometries/ideal-gas-gravity.cfg balls.count=300 balls.speed=0 duration=1 -o "$drop" >"$work/out" &&
+  run "$work/loop.cfg" -o "$loop" >"$work/out" &&
+  run geometries/newtons-cradle.cfg -o "$cradle" >"$work/out"
+is "runs that keep their energy" 0 $?
+kept='assert result["energy_drift"] < 1e-12, result'
+check "a ball that bounces from rest keeps its energy" verdict undecided "$kept" "$ball" --from 0
+check "a gas that falls from rest does" verdict holds "$kept" "$drop" --from 0.5
+check "where it falls for ever, energy is not tested" verdict holds '
+assert result["energy_drift"] is None and any("periodic boundary" in n for n in result["notes"])' "$loop"
+lossless() { agrees "$gas" 'assert result["imbalance"] < 1e-12, result' power "$gas"; }
+check "power of a gas without losses is balanced" lossless
+check "five balls tell no law" verdict undecided 'assert result["tests"] == 0' "$cradle" --from 0
+check "verify names the laws that it cannot test" verdict holds '
+untested = [n for n in result["notes"] if n.startswith("Not tested: ")]
+assert len(untested) == result["untested"] > 0 and any("v_n at ball-end" in n for n in untested), untested
+' "$gas" --to 0.9
+expect 2 "until 0.01 s there are" "a window that is too short" post verify "$gas" --to 0.01
 tamper 'x = v[...]; x[:, :, 0] *= 1.04; v[...] = x'
 expect 3 "" "verify catches one component that is too fast" post verify "$work/wrong.h5"
 tamper 'x = e[...]; x[:, 0] += 0.2; e[...] = x / np.linalg.norm(x, axis=1)[:, None]'
