@@ -220,6 +220,36 @@ assert len(set(keys)) == len(keys) and "median_vn_ball_ball" in keys
 check "compare gives each run and each figure a key of its own" keys
 check "scale" post scale "$plain" "$fast" --from 0.1
 
+# Runs at two speeds, one of them with three seeds; one without gravity; one that was interrupted.
+few=(geometries/simoloyer-2l.cfg balls.count=100 duration=0.06)
+for point in 1000/1 1000/2 1000/3 1400/1; do
+  run "${few[@]}" rotor.rpm=${point%/*} seed=${point#*/} -o "$work/at-${point/\//-}.h5"
+done >"$work/out"
+run "${few[@]}" rotor.rpm=1200 gravity='"none"' -o "$work/afloat.h5" >"$work/out"
+cp "$work/at-1400-1.h5" "$work/left.h5" && /usr/bin/python3 - "$work/left.h5" <<'PY'
+import sys
+import h5py, numpy as np
+h5py.File(sys.argv[1], "r+")["eventmill"].attrs["end"] = np.bytes_("interrupted")
+PY
+is "runs to scale" 0 $?
+scale() { (cd "$work" && post scale "$@" --match mean-speed --from 0.02 --json); }
+order() {
+  scale at-1000-1.h5 at-1000-2.h5 at-1000-3.h5 at-1400-1.h5 afloat.h5 >"$work/json" &&
+    scale at-1000-3.h5 at-1400-1.h5 at-1000-3.h5 at-1000-1.h5 afloat.h5 at-1000-2.h5 >"$work/other" &&
+    /usr/bin/python3 - "$work/json" "$work/other" <<'PY'
+import json, sys
+a, b = (json.load(open(x)) for x in sys.argv[1:])
+assert a["groups"] == b["groups"] and a["target"] == b["target"], (a, b)
+assert [g["runs"] for g in a["groups"]] == [4, 1], a["groups"]
+values = [r["value"] for r in a["runs"] if r["rpm"] == 1000]
+assert len(values) == 3 and abs(a["target"] / (sum(values) / 3) - 1) < 1e-12
+assert not any("not done" in n for n in a["notes"])
+PY
+}
+check "scale averages runs at one speed, and keeps unlike runs apart" order
+warned() { scale at-1000-1.h5 left.h5 | grep -q 'left is not done: interrupted'; }
+check "scale warns of runs that are not done" warned
+
 expect 0 "" "verify accepts an ideal gas" post verify "$gas"
 expect 0 "" "verify says that a mill is no ideal gas" post verify "$one"
 grep -q "a rotor drives the balls" "$work/out"
