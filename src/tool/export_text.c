@@ -98,13 +98,22 @@ static enum em_status write_rows(FILE *out, const struct em_export *job, struct 
   fprintf(out, "time [s],class,ball,partner,x [m],y [m],z [m],normal_x,normal_y,normal_z,vn [m/s],"
                "vt [m/s],lost [J]\n");
   enum em_status status = EM_OK;
+  bool any = false;
   for (uint64_t first = 0; status == EM_OK; first += rows->count) {
     status = em_run_file_rows(job->run, first, rows, err);
     if (status != EM_OK || rows->count == 0 || rows->time[0] > job->to) break;
-    for (size_t k = 0; k < rows->count; k++)
-      if (rows->time[k] >= job->from && rows->time[k] <= job->to) csv_row(out, rows, k);
+    for (size_t k = 0; k < rows->count; k++) {
+      if (rows->time[k] < job->from || rows->time[k] > job->to) continue;
+      csv_row(out, rows, k);
+      any = true;
+    }
   }
   em_run_file_rows_free(rows);
+  if (status == EM_OK && !any)
+    status = em_error_set(err, EM_INPUT, em_run_file_path(job->run), 0,
+                          "no collision is chosen; the run has %llu, until %g s",
+                          (unsigned long long)em_run_file_row_count(job->run),
+                          em_run_file_state(job->run)->time);
   return status;
 }
 

@@ -24,7 +24,9 @@ static const struct em_millpost_help help = {
         "  csv     a line per ball and frame; with --of collisions, a line per collision\n"
         "  pov     a POV-Ray scene per frame\n"
         "  stl     walls and blades at the first frame, in metres\n"
-        "--from, --until, --every and --at choose frames (xdmf takes all); the default is all.\n"
+        "--from, --until, --every and --at choose frames (xdmf takes all); the default is all. "
+        "Of\n"
+        "collisions, --from and --until choose those of a stretch of time.\n"
         "Without -o, the output stands beside the run and has its name.",
     .examples = "  millpost export simoloyer-2l.h5 --to xdmf\n"
                 "  millpost export simoloyer-2l.h5 --to lammps --every 5 -o mill.dump\n"
@@ -64,23 +66,38 @@ static const struct format *find_format(const struct em_millpost_options *o) {
   return NULL;
 }
 
-/* Indices of the chosen frames; NULL when memory is short. */
-static size_t *choose(const struct em_run_file *run, const struct em_millpost_options *o,
-                      size_t *count) {
+/* Indices of the chosen frames; returns how many there are. */
+static size_t choose(size_t *chosen, const struct em_run_file *run,
+                     const struct em_millpost_options *o) {
   const size_t frames = em_run_file_frame_count(run), every = o->every ? (size_t)o->every : 1;
-  size_t *chosen = malloc((frames + 1) * sizeof *chosen), seen = 0;
-  *count = 0;
-  if (!chosen) return NULL;
+  size_t seen = 0, count = 0;
   if (!isnan(o->at) && frames > 0) {
-    chosen[(*count)++] = em_run_file_frame_before(run, o->at);
-    return chosen;
+    chosen[0] = em_run_file_frame_before(run, o->at);
+    return 1;
   }
   for (size_t k = 0; k < frames; k++) {
     const double t = em_run_file_frame_time(run, k);
     if ((!isnan(o->from) && t < o->from) || (!isnan(o->to) && t > o->to)) continue;
-    if (seen++ % every == 0) chosen[(*count)++] = k;
+    if (seen++ % every == 0) chosen[count++] = k;
   }
-  return chosen;
+  return count;
+}
+
+/* Is what the options ask for there? chosen: frames. */
+static enum em_status check(const struct em_run_file *run, const struct format *format,
+                            const struct em_millpost_options *o, size_t chosen,
+                            struct em_error *err) {
+  const size_t frames = em_run_file_frame_count(run);
+  const double first = frames > 0 ? em_run_file_frame_time(run, 0) : NAN;
+  const double last = frames > 0 ? em_run_file_frame_time(run, frames - 1) : NAN;
+  const double slack = 1e-9 * (1.0 + fabs(last));
+  if (o->at < first - slack || o->at > last + slack)
+    return em_error_set(err, EM_INPUT, o->run[0], 0, "--at %g: the run has frames from %g to %g s",
+                        o->at, first, last);
+  const bool asked = !isnan(o->at) || !isnan(o->from) || !isnan(o->to);
+  if (chosen == 0 && (format->needs_frames || (asked && format != &collisions)))
+    return em_error_set(err, EM_INPUT, o->run[0], 0, "no frame is chosen; the run has %zu", frames);
+  return EM_OK;
 }
 
 static void default_path(char *path, size_t size, const char *run, const char *ending) {
@@ -97,16 +114,16 @@ static int run_with(const struct em_run_file *run, const struct format *format,
   default_path(path, sizeof path, o->run[0], format->ending);
   job.from = isnan(o->from) ? 0.0 : o->from;
   job.to = isnan(o->to) ? INFINITY : o->to;
-  size_t *frame = choose(run, o, &job.frames);
-  job.frame = frame;
+  size_t *frame = malloc((em_run_file_frame_count(run) + 1) * sizeof *frame);
   enum em_status status = EM_OK;
-  if (!frame)
+  if (frame) {
+    job.frame = frame;
+    job.frames = choose(frame, run, o);
+    status = check(run, format, o, job.frames, &err);
+  } else {
     status = em_error_set(&err, EM_MEMORY, NULL, 0, "out of memory");
-  else if (format->needs_frames && job.frames == 0)
-    status = em_error_set(&err, EM_INPUT, o->run[0], 0, "no frame is chosen; the run has %zu",
-                          em_run_file_frame_count(run));
-  else
-    status = format->write(&job, &err);
+  }
+  if (status == EM_OK) status = format->write(&job, &err);
   free(frame);
   if (status != EM_OK) return em_millpost_fail(&err);
   struct em_report *report = em_report_new("export");
@@ -128,6 +145,8 @@ int em_millpost_export(int argc, char **argv) {
     return em_millpost_usage("export", "--to must be xdmf, xdmf3, vtk, lammps, csv, pov or stl");
   if (options.of && (format != &collisions || strcmp(options.of, "collisions") != 0))
     return em_millpost_usage("export", "--of takes only 'collisions', with --to csv");
+  if (options.of && (!isnan(options.at) || options.every))
+    return em_millpost_usage("export", "--at and --every choose frames, --of collisions has none");
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run;
   if (em_millpost_open(&run, options.run[0], &err) != EM_OK) return em_millpost_fail(&err);

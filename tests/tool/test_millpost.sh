@@ -354,6 +354,16 @@ piped() { # a pipe is written to, and stays
 check "the same through a pipe" piped
 rows() { [ "$(wc -l <"$work/rows.csv")" -eq $(($(post info "$one" --csv | sed -n 's/^# rows = //p') + 1)) ]; }
 check "with a line for each" rows
+expect 2 "frames from 0 to 0.25 s" "export beyond the end" post export "$one" --to csv --at 99 -o "$work/x.csv"
+expect 2 "frames from 0 to 0.25 s" "export before the begin" post export "$one" --to csv --at -99 -o "$work/x.csv"
+expect 2 "no frame is chosen" "export of no frame" post export "$one" --to stl --from 99 -o "$work/x.csv"
+expect 2 "choose frames" "export of collisions at a moment" \
+  post export "$one" --to csv --of collisions --at 0.1 -o "$work/x.csv"
+expect 2 "choose frames" "export of every tenth collision" \
+  post export "$one" --to csv --of collisions --every 10 -o "$work/x.csv"
+expect 2 "no collision is chosen" "export of no collision" \
+  post export "$one" --to csv --of collisions --from 10 -o "$work/x.csv"
+check "which leave nothing" test ! -e "$work/x.csv"
 dump() { [ "$(grep -c 'ITEM: TIMESTEP' "$work/export.lammps")" -eq 3 ] &&
   [ "$(wc -l <"$work/export.lammps")" -eq $((3 * 2513)) ]; }
 check "a LAMMPS dump has all balls" dump
