@@ -172,7 +172,7 @@ static void blade_table(struct em_report *report, const struct em_balance *b, do
   for (size_t k = 0; k < b->blades; k++) {
     const struct em_interval torque = em_trace_rate_interval(&b->impulse, k, k + 1, level);
     const struct em_interval power = em_trace_rate_interval(&b->work, k, k + 1, level);
-    em_report_count(report, k + 1);
+    em_report_count(report, k);
     em_report_number(report, b->omega[k] * 30.0 / M_PI);
     em_report_interval(report, &torque);
     em_report_interval(report, &power);

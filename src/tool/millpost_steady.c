@@ -17,9 +17,12 @@ static const struct em_millpost_help help = {
     .arguments = "RUN",
     .summary = "Tells from when on a run is stationary.",
     .details =
-        "The start is where MSER cuts: the rest then has the least standard error. A cut in the\n"
-        "second half of a series means that no steady state was found; a rest of fewer than ten\n"
-        "independent values, that the run is too short to tell. Geweke's test compares the first\n"
+        "The start is where MSER cuts: the rest then has the least standard error. Cuts in the "
+        "first\n"
+        "half of a series are tried; if the last of them is the best, no steady state was found. "
+        "A\n"
+        "rest of fewer than ten independent values is too short to tell. Geweke's test compares "
+        "the first\n"
         "tenth of the rest with its second half; a small p says that it still drifts. The median\n"
         "speed decides (it is the default --from of the other commands).",
     .examples = "  millpost steady simoloyer-2l.h5\n"

@@ -178,6 +178,7 @@ tt = h["observables/blade_work/time"][...]
 k = tt >= result["from"] - 1e-12
 assert abs(result["power"] / ((w[k][-1] - w[k][0]) / (tt[k][-1] - tt[k][0])) - 1) < 1e-9
 assert abs(sum(b["power"] for b in result["blades"]) / result["power"] - 1) < 1e-9
+assert [b["blade"] for b in result["blades"]] == list(range(h["observables/blade_work/value"].shape[1]))
 ' power "$one" --from 0.1; }
 check "power agrees in all three ways" power
 turning=$work/turning.h5
