@@ -2,6 +2,7 @@
 #include "record/output.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -32,7 +33,8 @@ enum em_status em_output_begin(struct em_output *output, const char *path, enum 
     return em_error_set(err, EM_INPUT, path, 0,
                         "is a pipe, a device or a folder, expected a regular file or a new one");
   output->path = special ? strdup(path) : behind_links(path);
-  if (!output->path || (!special && asprintf(&output->temporary, "%s.part", output->path) < 0)) {
+  if (!output->path ||
+      (!special && asprintf(&output->temporary, "%s.%d.part", output->path, (int)getpid()) < 0)) {
     output->temporary = NULL;
     clear(output);
     return em_error_set(err, EM_MEMORY, path, 0, "no memory for its name");
@@ -44,9 +46,15 @@ enum em_status em_output_begin(struct em_output *output, const char *path, enum 
   return EM_FILE;
 }
 
+/* What is on the disk survives a crash of the machine; what is only renamed may be empty after it.
+ */
+static bool is_on_disk(FILE *out) {
+  return fflush(out) == 0 && fsync(fileno(out)) == 0;
+}
+
 enum em_status em_output_end(struct em_output *output, enum em_status status,
                              struct em_error *err) {
-  const bool good = !ferror(output->out);
+  const bool good = !ferror(output->out) && (!output->temporary || is_on_disk(output->out));
   if ((fclose(output->out) != 0 || !good) && status == EM_OK) status = cannot(output->path, err);
   if (output->temporary && status == EM_OK && rename(output->temporary, output->path) != 0)
     status = cannot(output->path, err);

@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "eventmill/contact.h"
 #include "tool/millpost.h"
@@ -108,7 +109,19 @@ static struct em_millpost_options defaults(void) {
                                       .alpha = 0.001};
 }
 
+/* An output never replaces what it is made from. */
+static bool is_input(const struct em_millpost_options *o) {
+  struct stat out, in;
+  if (!o->out || stat(o->out, &out) != 0) return false;
+  for (int k = 0; k < o->run_count; k++)
+    if (stat(o->run[k], &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+      return true;
+  return false;
+}
+
 static int check(const struct em_millpost_options *o, const struct em_millpost_help *help) {
+  if (is_input(o))
+    return em_millpost_usage(help->name, "-o %s would replace the run itself", o->out);
   if (!(o->level > 0.0 && o->level < 1.0))
     return em_millpost_usage(help->name, "--level must lie between 0 and 1");
   if (!(o->alpha > 0.0 && o->alpha < 1.0))

@@ -428,6 +428,9 @@ expect 2 "nowhere.txt: error" "pairs that are not there" post fit "$work/nowhere
 expect 2 "nowhere.csv: error" "points that are not there" post table "$work/nowhere.csv"
 head -c 20000 "$one" >"$work/short.h5"
 expect 2 "" "a truncated run" post hist "$work/short.h5"
+cp "$one" "$work/own.h5"
+expect 2 "would replace the run itself" "an export over its run" post export "$work/own.h5" --to csv -o "$work/own.h5"
+check "which stays" cmp -s "$one" "$work/own.h5"
 expect 1 "" "a picture that cannot be written" post hist "$one" -o "$work/no/where.png"
 full() { post hist "$one" >/dev/full; }
 expect 1 "" "a full disk" full

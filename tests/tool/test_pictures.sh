@@ -80,7 +80,7 @@ is "named after the run" 0 "$([ -s "$work/run.mp4" ]; echo $?)"
 for signal in INT TERM HUP; do
   "$post" film "$run" --size 1280x720 --slow 50000 -o "$work/long.mp4" 2>"$work/err" &
   pid=$!
-  for _ in $(seq 100); do [ -s "$work/long.mp4.part" ] && break; sleep 0.1; done
+  for _ in $(seq 100); do compgen -G "$work/long.mp4.*.part" >/dev/null && break; sleep 0.1; done
   kill -$signal $pid
   wait $pid
   is "a film interrupted by SIG$signal" 1 $?
