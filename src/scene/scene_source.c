@@ -11,14 +11,20 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { NESTING = 64, INCLUDES = 16 };
+
+static bool is_word(char c) {
+  return isalnum((unsigned char)c) || c == '_' || c == '*' || c == '-';
+}
 
 /* Where the copying of one file stands. */
 struct cursor {
   struct em_scene_source *source;
   struct em_error *err;
-  const char *file, *at;
+  const char *file, *at, *word; /* word: the last one before `at`, or "" */
+  const char *folder;           /* put before names of files that are not absolute, or NULL */
   int line, depth;
   int *nesting;  /* open brackets, shared by all files */
   char *bracket; /* what closes each of them */
@@ -74,6 +80,27 @@ static size_t comment_length(const char *at) {
   return end ? (size_t)(end - at) + 2 : strlen(at);
 }
 
+/* Is the value that follows the name of a file? */
+static bool names_file(const struct cursor *c) {
+  static const char *const entries[] = {"table", "from"};
+  for (size_t k = 0; k < sizeof entries / sizeof *entries; ++k) {
+    size_t n = strlen(entries[k]);
+    if (strncmp(c->word, entries[k], n) == 0 && !is_word(c->word[n])) return true;
+  }
+  return false;
+}
+
+/* Copies the quote that opens the name of a file, and the folder from which it is seen. */
+static enum em_status pass_folder(struct cursor *c) {
+  enum em_status status = pass(c, 1);
+  const char *at = *c->at == '/' ? "" : c->folder;
+  for (; status == EM_OK && *at; ++at) {
+    if (*at == '"' || *at == '\\') status = put(c, "\\", 1);
+    if (status == EM_OK) status = put(c, at, 1);
+  }
+  return status;
+}
+
 /* Copies a string with its quotes. */
 static enum em_status pass_string(struct cursor *c) {
   size_t k = 1;
@@ -82,11 +109,13 @@ static enum em_status pass_string(struct cursor *c) {
   if (!c->at[k])
     return em_error_set(c->err, EM_INPUT, c->file, c->line,
                         "the string that begins here has no end, expected \"");
-  return pass(c, k + 1);
-}
-
-static bool is_word(char c) {
-  return isalnum((unsigned char)c) || c == '_' || c == '*' || c == '-';
+  enum em_status status = EM_OK;
+  if (c->folder && names_file(c)) {
+    status = pass_folder(c);
+    --k;
+  }
+  c->word = "";
+  return status == EM_OK ? pass(c, k + 1) : status;
 }
 
 /* Copies a number; one that is a plain integer beyond 32 bits gets an L. */
@@ -163,6 +192,7 @@ static enum em_status include(struct cursor *c, const char *start) {
     struct cursor inside = *c;
     inside.file = path;
     inside.at = text;
+    inside.word = "";
     inside.line = 1;
     inside.depth++;
     status = copy_file(&inside);
@@ -193,6 +223,7 @@ static enum em_status copy_file(struct cursor *c) {
       n = 1;
       while (is_word(c->at[n]) || (*c->at == '.' && isdigit((unsigned char)c->at[n])))
         ++n;
+      c->word = c->at;
       status = pass(c, n);
     } else
       status = pass(c, 1);
@@ -200,15 +231,40 @@ static enum em_status copy_file(struct cursor *c) {
   return status;
 }
 
-enum em_status em_scene_source_join(struct em_scene_source *source, const char *text,
-                                    const char *name, struct em_error *err) {
+static enum em_status join(struct em_scene_source *source, const char *text, const char *name,
+                           const char *folder, struct em_error *err) {
   *source = (struct em_scene_source){.name = name, .lines = 1};
   int nesting = 0;
   char bracket[NESTING];
-  struct cursor c = {source, err, name, text, 1, 0, &nesting, bracket};
+  struct cursor c = {source, err, name, text, "", folder, 1, 0, &nesting, bracket};
   enum em_status status = put(&c, "", 0);
   if (status == EM_OK) status = copy_file(&c);
   if (status != EM_OK) em_scene_source_free(source);
+  return status;
+}
+
+enum em_status em_scene_source_join(struct em_scene_source *source, const char *text,
+                                    const char *name, struct em_error *err) {
+  return join(source, text, name, NULL, err);
+}
+
+/* The directory of a file, absolute and with its last slash, to be freed by the caller. */
+static char *folder_of(const char *name) {
+  const char *slash = strrchr(name, '/');
+  const int length = slash ? (int)(slash - name) + 1 : 0;
+  char *here = name[0] == '/' ? strdup("") : getcwd(NULL, 0), *folder = NULL;
+  if (here && asprintf(&folder, "%s%s%.*s", here, *here ? "/" : "", length, name) < 0)
+    folder = NULL;
+  free(here);
+  return folder;
+}
+
+enum em_status em_scene_source_join_whole(struct em_scene_source *source, const char *text,
+                                          const char *name, struct em_error *err) {
+  char *folder = folder_of(name);
+  if (!folder) return no_memory(err);
+  enum em_status status = join(source, text, name, folder, err);
+  free(folder);
   return status;
 }
 

@@ -29,6 +29,11 @@ struct em_scene_source {
 enum em_status em_scene_source_join(struct em_scene_source *source, const char *text,
                                     const char *name, struct em_error *err);
 
+/* The same, but the names of files in the text (`balls.table`, `balls.from`) become absolute, as
+ * seen from the directory of `name`: the text means the same wherever it stands. */
+enum em_status em_scene_source_join_whole(struct em_scene_source *source, const char *text,
+                                          const char *name, struct em_error *err);
+
 /* The content of a regular file, to be freed by the caller. Errors: EM_FILE, EM_MEMORY, EM_INPUT
  * (it holds a zero byte). */
 enum em_status em_scene_source_load(char **text, const char *path, struct em_error *err);

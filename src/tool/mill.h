@@ -25,14 +25,14 @@ struct em_mill_options {
   const char **overrides; /* owned; "KEY=VALUE" */
   const char *out;        /* -o, or NULL */
   const char *precision;  /* --until-precision, or NULL */
-  bool resume, force, quiet, json;
+  bool resume, force, quiet, json, joined;
 };
 
 /* Which options a command takes, and what its --help says. */
 struct em_mill_help {
   const char *name;
   const char *takes; /* letters of the options beside -h: o, r(esume), f(orce), q(uiet), j(son),
-                         u(ntil-precision) */
+                         u(ntil-precision), J(oined) */
   const char *text;
 };
 

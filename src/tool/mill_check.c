@@ -4,16 +4,19 @@
 
 #include "eventmill/start.h"
 #include "eventmill/world.h"
+#include "scene/scene_source.h"
 #include "tool/mill.h"
 
 static const struct em_mill_help help = {
     .name = "check",
-    .takes = "",
+    .takes = "J",
     .text =
         "Usage: mill check SCENE [KEY=VALUE ...]\n\n"
         "Validates a scene, places its balls, and prints the scene with all defaults filled in.\n"
         "What it prints is itself a scene; comments tell the effects that it calls for, the\n"
         "variant of the event loop that will run it, and the memory that a ball takes.\n\n"
+        "  --joined  print the scene as it is written, but with its includes in place and the\n"
+        "            names of files absolute, so that it can be moved; nothing is validated\n\n"
         "Examples:\n"
         "  mill check geometries/simoloyer-2l.cfg\n"
         "  mill check geometries/simoloyer-2l.cfg rotor.rpm=1700 > fast.cfg\n",
@@ -37,6 +40,11 @@ static enum em_status make_world(const struct em_scene *scene, struct em_world *
   return status;
 }
 
+static int unwritten(void) {
+  fprintf(stderr, "mill check: error: standard output cannot be written\n");
+  return EM_MILL_FAILED;
+}
+
 static int check(const struct em_scene *scene) {
   struct em_world *world = NULL;
   struct em_error err = {0};
@@ -52,17 +60,33 @@ static int check(const struct em_scene *scene) {
          em_world_bytes_of_events(world),
          scene->record.collisions ? "recorded with all its figures" : "counted, not stored");
   em_world_free(world);
-  if (em_scene_print(scene, stdout) || fflush(stdout)) {
-    fprintf(stderr, "mill check: error: standard output cannot be written\n");
-    return EM_MILL_FAILED;
+  return em_scene_print(scene, stdout) || fflush(stdout) ? unwritten() : EM_MILL_DONE;
+}
+
+/* Prints the text of the scene. */
+static int print_joined(const struct em_mill_options *options) {
+  if (options->override_count > 0)
+    return em_mill_usage(&help, "--joined goes without KEY=VALUE, found", options->overrides[0]);
+  char *text = NULL;
+  struct em_scene_source source = {0};
+  struct em_error err = {0};
+  enum em_status status = em_scene_source_load(&text, options->scene, &err);
+  if (!status) status = em_scene_source_join_whole(&source, text, options->scene, &err);
+  free(text);
+  if (status) {
+    em_mill_complain(&err);
+    return status == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
   }
-  return EM_MILL_DONE;
+  const bool good = fputs(source.text, stdout) >= 0 && fflush(stdout) == 0;
+  em_scene_source_free(&source);
+  return good ? EM_MILL_DONE : unwritten();
 }
 
 int em_mill_check(int argc, char **argv) {
   struct em_mill_options options;
   struct em_scene *scene = NULL;
   int code = em_mill_options(&options, &help, argc, argv);
+  if (code < 0 && options.joined) code = print_joined(&options);
   if (code < 0) code = em_mill_scene(&scene, &options);
   if (code < 0) code = check(scene);
   em_scene_free(scene);

@@ -7,10 +7,15 @@
 #include "tool/mill.h"
 
 static const struct option known[] = {
-    {"output", required_argument, NULL, 'o'}, {"resume", no_argument, NULL, 'r'},
-    {"force", no_argument, NULL, 'f'},        {"quiet", no_argument, NULL, 'q'},
-    {"json", no_argument, NULL, 'j'},         {"until-precision", required_argument, NULL, 'u'},
-    {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0},
+    {"output", required_argument, NULL, 'o'},
+    {"resume", no_argument, NULL, 'r'},
+    {"force", no_argument, NULL, 'f'},
+    {"quiet", no_argument, NULL, 'q'},
+    {"json", no_argument, NULL, 'j'},
+    {"until-precision", required_argument, NULL, 'u'},
+    {"joined", no_argument, NULL, 'J'},
+    {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
 };
 
 int em_mill_usage(const struct em_mill_help *help, const char *what, const char *word) {
@@ -36,6 +41,9 @@ static void set(struct em_mill_options *options, int letter) {
     break;
   case 'q':
     options->quiet = true;
+    break;
+  case 'J':
+    options->joined = true;
     break;
   default:
     options->json = true;

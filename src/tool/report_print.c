@@ -158,8 +158,10 @@ static void csv_text(const char *text, FILE *out) {
   fputc('"', out);
 }
 
+/* Whole numbers, seeds among them, to all digits. */
 static void csv_number(double value, FILE *out) {
-  if (isfinite(value)) fprintf(out, "%.9g", value);
+  const bool whole = fabs(value) < 0x1p53 && value == rint(value);
+  if (isfinite(value)) fprintf(out, whole ? "%.0f" : "%.9g", value);
 }
 
 static void csv_cell(const struct em_report_cell *cell, bool has_half, FILE *out) {
