@@ -236,10 +236,12 @@ demo: setup
 	@BUILD=$(B) scripts/demo
 
 # ---------------------------------------------------------------- house keeping
-BIN := $(DESTDIR)$(PREFIX)/bin
-LIB := $(DESTDIR)$(PREFIX)/lib
-INC := $(DESTDIR)$(PREFIX)/include/eventmill
-SHR := $(DESTDIR)$(PREFIX)/share/eventmill
+# Words for the shell, whatever is in the names.
+shell_word = '$(subst ','\'',$(1))'
+BIN := $(call shell_word,$(DESTDIR)$(PREFIX)/bin)
+LIB := $(call shell_word,$(DESTDIR)$(PREFIX)/lib)
+INC := $(call shell_word,$(DESTDIR)$(PREFIX)/include/eventmill)
+SHR := $(call shell_word,$(DESTDIR)$(PREFIX)/share/eventmill)
 
 install: all
 	@$(MAKE) --no-print-directory install-files
@@ -254,8 +256,8 @@ install-files:
 	install -m 755 $(SHARED) $(LIB)/libeventmill.so.$(VERSION)
 	ln -sf libeventmill.so.$(VERSION) $(LIB)/libeventmill.so.$(SOMAJOR)
 	ln -sf libeventmill.so.$(SOMAJOR) $(LIB)/libeventmill.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@PACKAGES@|$(PACKAGES)|' \
-	  eventmill.pc.in >$(LIB)/pkgconfig/eventmill.pc
+	sed -e $(call shell_word,s|@PREFIX@|$(PREFIX)|) -e 's|@VERSION@|$(VERSION)|' \
+	  -e 's|@PACKAGES@|$(PACKAGES)|' eventmill.pc.in >$(LIB)/pkgconfig/eventmill.pc
 	find geometries -type f -exec install -D -m 644 {} $(SHR)/{} \;
 
 uninstall:

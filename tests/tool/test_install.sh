@@ -58,3 +58,13 @@ fi
 make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill uninstall
 left=$(find "$top" -type f -o -type l)
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
+
+# A prefix with blanks and quotes: nothing beside it is touched.
+settings+=(DESTDIR= "PREFIX=$root/it's a mill")
+make -s "${settings[@]}" install-files
+flags=$(PKG_CONFIG_PATH="$root/it's a mill/lib/pkgconfig" pkg-config --cflags eventmill)
+eval "set -- $flags" # quoted for the shell
+test -f "${1#-I}/eventmill/scene.h"
+make -s "${settings[@]}" uninstall
+left=$(find "$root/it's a mill" -type f -o -type l; ls -d "$root/it" 2>/dev/null) || true
+[ -z "$left" ] || { echo "left behind: $left"; exit 1; }
