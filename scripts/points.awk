@@ -1,9 +1,10 @@
 # Makes the table of points of a sweep. Axes come as lines "KEY=VALUES" (mode grid or lhs), or as a
 # table with a header (mode list). Prints CSV: point,repeat,seed,run,KEY... Variables: mode, count
-# (Latin hypercube), draw (its seed), repeat, base (added to all seeds).
+# (Latin hypercube), draw (its seed), repeat, base (added to all seeds), fixed (keys that have a value
+# for all points, with a blank after each).
 #
-# A point's seed and name depend on its values and the repeat alone: neither on the order of the
-# axes nor on the other points, so that a sweep can be extended.
+# A point's seed and name depend on its values, the repeat and base alone: neither on the order of
+# the axes nor on the other points, so that a sweep can be extended.
 
 function die(text) {
   print "sweep: error: " text > "/dev/stderr"
@@ -113,7 +114,7 @@ function write_point(k,   a, r, text, name, row, seed, id) {
   if (length(name) > 120) name = substr(name, 1, 120) "_"
   for (r = 1; r <= repeat; r++) {
     seed = 1 + hash(text r, 17 + base) % 2147483646
-    id = sprintf("%s%07x-%d", name, hash(text, 5381), r)
+    id = sprintf("%s%07x-%d", name, hash(text, 5381 + base), r)
     if (id in seen) die("two points have the same name '" id "'")
     seen[id] = 1
     printf "%d,%d,%d,runs/%s.h5%s\n", points_written, r, seed, id, row
@@ -123,6 +124,7 @@ function write_point(k,   a, r, text, name, row, seed, id) {
 BEGIN {
   for (k = 1; k < 256; k++) ord[sprintf("%c", k)] = k
   state = 1 + draw % 2147483646
+  base %= 2147483646
   for (k = 0; k < 10; k++) uniform()
 }
 { sub(/\r$/, "") }
@@ -154,6 +156,10 @@ END {
   if (mode == "lhs") hypercube()
   for (a = 1; a <= axes; a++)
     if (key[a] !~ /^[A-Za-z][A-Za-z0-9_.-]*$/) die("'" key[a] "' is not a key of a scene")
+  for (a = 1; a <= axes; a++) {
+    if (given[key[a]]++) die(key[a] " is given twice")
+    if (index(" " fixed, " " key[a] " ")) die(key[a] " has a fixed value and is an axis")
+  }
   sort_keys()
   printf "point,repeat,seed,run"
   for (a = 1; a <= axes; a++) printf ",%s", key[a]
