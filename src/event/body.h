@@ -125,9 +125,9 @@ bool em_body_next_epoch(struct em_world *world);
 
 /* Have all balls finite states, and do none overlap by more than `tolerance` (m)? Fills err with
  * the first fault. */
-bool em_body_is_clear(struct em_world *world, double tolerance, struct em_error *err);
+bool em_world_valid_balls(struct em_world *world, double tolerance, struct em_error *err);
 /* Are the event lists and the partition consistent? Builds with assertions ask at each epoch. */
-bool em_body_lists_are_valid(const struct em_world *world);
+bool em_world_valid_lists(const struct em_world *world);
 
 /* When balls i and j touch, in the precision that engine.polish asks for; shift: of the periodic
  * image, added to j − i. INFINITY: they don't. */

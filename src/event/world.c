@@ -187,7 +187,7 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
 
 static enum em_status predict_all(struct em_world *w, struct em_error *err) {
   if (w->loop->predict_all(w)) {
-    assert(em_body_lists_are_valid(w));
+    assert(em_world_valid_lists(w));
     return EM_OK;
   }
   return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
@@ -199,7 +199,7 @@ enum em_status em_world_new(struct em_world **world, const struct em_scene *scen
   enum em_status status = begin(&w, scene, balls, err);
   if (status) return status;
   status = set_lists(w, err);
-  if (!status && !em_body_is_clear(w, 1e-6 * w->smallest, err)) status = EM_INPUT;
+  if (!status && !em_world_valid_balls(w, 1e-6 * w->smallest, err)) status = EM_INPUT;
   if (!status) status = predict_all(w, err);
   if (status) {
     em_world_free(w);
@@ -268,7 +268,7 @@ enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_
     if (!shift || left == 0) break;
     if (!em_body_next_epoch(w))
       return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
-    assert(em_body_lists_are_valid(w));
+    assert(em_world_valid_lists(w));
   }
   return EM_OK;
 }

@@ -55,7 +55,7 @@ static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance, str
   return true;
 }
 
-bool em_body_is_clear(struct em_world *w, double tolerance, struct em_error *err) {
+bool em_world_valid_balls(struct em_world *w, double tolerance, struct em_error *err) {
   for (uint32_t i = 0; i < w->count; i++) {
     const struct em_body *b = &w->body[i];
     if (!isfinite(b->x + b->y + b->z + b->vx + b->vy + b->vz + b->t)) {
@@ -68,7 +68,7 @@ bool em_body_is_clear(struct em_world *w, double tolerance, struct em_error *err
   return true;
 }
 
-bool em_body_lists_are_valid(const struct em_world *w) {
+bool em_world_valid_lists(const struct em_world *w) {
   for (uint32_t i = 0; i < w->count; i++)
     if (!w->local_kind->is_valid(w->local, i)) return false;
   return w->queue_kind->is_valid(w->queue) && w->partition_kind->is_valid(w);
@@ -76,8 +76,8 @@ bool em_body_lists_are_valid(const struct em_world *w) {
 
 bool em_world_is_valid(const struct em_world *world, double tolerance, struct em_error *err) {
   struct em_world *w = (struct em_world *)(uintptr_t)world; /* candidates use scratch */
-  if (!em_body_is_clear(w, tolerance, err)) return false;
-  if (em_body_lists_are_valid(w)) return true;
+  if (!em_world_valid_balls(w, tolerance, err)) return false;
+  if (em_world_valid_lists(w)) return true;
   em_error_set(err, EM_INTERNAL, NULL, 0, "the lists (%s, %s, %s) are inconsistent",
                w->local_kind->name, w->queue_kind->name, w->partition_kind->name);
   return false;
