@@ -76,7 +76,7 @@ enum em_status em_recorder_run(const struct em_scene *scene,
 /* The scene's balls at its start, placed by em_start_make; of a scene that starts from a run, after
  * that run's last frame. em_start_free. Errors: those of em_run_file_last and em_start_make. */
 enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
-                                 struct em_error *err);
+                                 const volatile sig_atomic_t *stop, struct em_error *err);
 
 /* The name of a run file that a scene gets by default: the scene's file name without folder and
  * ".cfg", and ".h5"; `size` bytes at most. */

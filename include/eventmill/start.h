@@ -2,6 +2,8 @@
 #ifndef EVENTMILL_START_H
 #define EVENTMILL_START_H
 
+#include <signal.h>
+
 #include "eventmill/error.h"
 #include "eventmill/scene.h"
 
@@ -18,9 +20,11 @@ struct em_balls {
 
 /* Places the balls of a scene (mt19937 with the scene's seed), free of overlap with each other, the
  * walls and the blades at time 0. For species that start from a run file, `previous` holds its last
- * frame (else NULL). Errors: EM_INPUT (they don't fit; after a set number of tries), EM_MEMORY. */
+ * frame (else NULL). *stop, when it turns non-zero, ends the placing (EM_STOPPED); stop may be
+ * NULL. Errors: EM_INPUT (they don't fit; after a set number of tries), EM_MEMORY. */
 enum em_status em_start_make(struct em_balls **balls, const struct em_scene *scene,
-                             const struct em_balls *previous, struct em_error *err);
+                             const struct em_balls *previous, const volatile sig_atomic_t *stop,
+                             struct em_error *err);
 
 /* Mass (kg) of one ball of a species: the one place where it is worked out, so that a restart has
  * the same bits. */

@@ -62,7 +62,7 @@ static void ink(const struct paper *p, double strength) {
 }
 
 /* align: 0 left, 0.5 middle, 1 right of x. */
-static void write(const struct paper *p, double x, double y, double size, bool bold, double align,
+static void print(const struct paper *p, double x, double y, double size, bool bold, double align,
                   const char *text) {
   cairo_text_extents_t box;
   cairo_select_font_face(p->c, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
@@ -107,7 +107,7 @@ static void draw_ticks(const struct paper *p, const struct bar *b, double low, d
     cairo_stroke(p->c);
     snprintf(text, sizeof text, "%.*f", digits, k * step + 0.0);
     ink(p, 0.80);
-    write(p, b->x + b->w + 12.0, y + 5.0, 14.0, false, 0.0, text);
+    print(p, b->x + b->w + 12.0, y + 5.0, 14.0, false, 0.0, text);
   }
 }
 
@@ -129,9 +129,9 @@ static void draw_bar(const struct paper *p, const struct em_picture_options *o,
   cairo_pattern_destroy(g);
   draw_ticks(p, &b, o->low, o->high);
   ink(p, 0.92);
-  write(p, b.x - 1.0, b.y - 34.0, 15.0, true, 0.0, spin ? "Spin" : "Speed");
+  print(p, b.x - 1.0, b.y - 34.0, 15.0, true, 0.0, spin ? "Spin" : "Speed");
   ink(p, 0.70);
-  write(p, b.x - 1.0, b.y - 15.0, 14.0, false, 0.0, spin ? "rad/s" : "m/s");
+  print(p, b.x - 1.0, b.y - 15.0, 14.0, false, 0.0, spin ? "rad/s" : "m/s");
 }
 
 static void draw_swatches(const struct paper *p, const struct em_scene *scene,
@@ -141,13 +141,13 @@ static void draw_swatches(const struct paper *p, const struct em_scene *scene,
   const double x = p->width - 150.0;
   double y = 0.5 * p->height - 14.0 * (double)count;
   ink(p, 0.92);
-  write(p, x, y - 28.0, 15.0, true, 0.0, by_class ? "Last contact" : "Balls");
+  print(p, x, y - 28.0, 15.0, true, 0.0, by_class ? "Last contact" : "Balls");
   for (size_t k = 0; k < count && k < 16; k++, y += 28.0) {
     set_colour(p, em_colour_cycle((unsigned)k));
     cairo_arc(p->c, x + 8.0, y - 5.0, 8.0, 0.0, 2.0 * M_PI);
     cairo_fill(p->c);
     ink(p, 0.80);
-    write(p, x + 26.0, y, 14.0, false, 0.0,
+    print(p, x + 26.0, y, 14.0, false, 0.0,
           by_class ? em_contact_class_name((enum em_class)k) : scene->species[k].name);
   }
 }
@@ -162,9 +162,9 @@ static void draw_title(const struct paper *p, const struct em_scene *scene) {
     if (strncmp(rest, " · ", strlen(" · ")) == 0) rest += strlen(" · ");
   }
   ink(p, 0.95);
-  write(p, 28.0, 44.0, 21.0, true, 0.0, scene->title);
+  print(p, 28.0, 44.0, 21.0, true, 0.0, scene->title);
   ink(p, 0.70);
-  write(p, 28.0, scene->title[0] != '\0' ? 68.0 : 44.0, 14.5, false, 0.0, rest);
+  print(p, 28.0, scene->title[0] != '\0' ? 68.0 : 44.0, 14.5, false, 0.0, rest);
 }
 
 void em_overlay_ground(cairo_surface_t *surface, const struct em_scene *scene,
@@ -178,7 +178,7 @@ void em_overlay_ground(cairo_surface_t *surface, const struct em_scene *scene,
       draw_swatches(&p, scene, options);
     if (options->note[0] != '\0') {
       ink(&p, 0.60);
-      write(&p, p.width - 28.0, p.height - 28.0, 14.0, false, 1.0, options->note);
+      print(&p, p.width - 28.0, p.height - 28.0, 14.0, false, 1.0, options->note);
     }
   }
   cairo_destroy(p.c);
@@ -207,7 +207,7 @@ void em_overlay_moment(cairo_surface_t *surface, const struct em_picture_options
   char text[64];
   snprintf(text, sizeof text, "t = %.4f s", time);
   ink(&p, 0.90);
-  write(&p, 28.0, p.height - 28.0, 18.0, false, 0.0, text);
+  print(&p, 28.0, p.height - 28.0, 18.0, false, 0.0, text);
   if (bin != NULL && has_bar(options)) draw_histogram(&p, map, bin);
   cairo_destroy(p.c);
 }

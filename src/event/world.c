@@ -260,6 +260,7 @@ enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_
                                        const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t left = count;
   while (left > 0) {
+    if (stop && *stop) return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
     const double limit = local_time(w, until);
     const bool shift = limit >= w->epoch_length;
     const enum em_status status = run_before(w, shift ? w->epoch_length : limit, &left, stop, err);

@@ -301,13 +301,13 @@ static void clear(struct recorder *r) {
 }
 
 enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
-                                 struct em_error *err) {
+                                 const volatile sig_atomic_t *stop, struct em_error *err) {
   struct em_balls *previous = NULL;
   enum em_status status = EM_OK;
   for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
     if (scene->species[i].start == EM_START_RUN)
       status = em_run_file_last(scene->species[i].from, &previous, err);
-  if (!status) status = em_start_make(start, scene, previous, err);
+  if (!status) status = em_start_make(start, scene, previous, stop, err);
   em_start_free(previous);
   return status;
 }
@@ -332,7 +332,7 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
 
 static enum em_status start_new(struct recorder *r, struct em_error *err) {
   struct em_balls *start = NULL;
-  enum em_status status = em_recorder_start(&start, r->scene, err);
+  enum em_status status = em_recorder_start(&start, r->scene, r->options->stop, err);
   if (!status) status = em_world_new(&r->world, r->scene, start, err);
   if (!status) remember_start(r);
   em_provenance_begin(&r->session, r->options->command, 0.0);

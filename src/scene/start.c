@@ -45,6 +45,7 @@ double em_start_mass(const struct em_species *species) {
 struct maker {
   const struct em_scene *scene;
   const struct em_balls *previous;
+  const volatile sig_atomic_t *stop;
   struct em_balls *balls;
   struct em_start_field field;
   struct em_start_group *group; /* by species; `picked` holds those of one kind of start */
@@ -213,6 +214,7 @@ static void set_velocities(struct maker *m) {
 static enum em_status place_all(struct maker *m) {
   fill_kinds(m);
   enum em_status status = em_start_field_make(&m->field, m->scene, m->balls, m->err);
+  m->field.stop = m->stop;
   if (status == EM_OK) status = place_given(m);
   if (status == EM_OK) status = place_lattices(m);
   if (status == EM_OK) status = place_random(m);
@@ -222,11 +224,13 @@ static enum em_status place_all(struct maker *m) {
 }
 
 enum em_status em_start_make(struct em_balls **balls, const struct em_scene *scene,
-                             const struct em_balls *previous, struct em_error *err) {
+                             const struct em_balls *previous, const volatile sig_atomic_t *stop,
+                             struct em_error *err) {
   *balls = NULL;
   size_t n = scene->species_count;
   struct maker m = {.scene = scene,
                     .previous = previous,
+                    .stop = stop,
                     .balls = em_start_new(em_scene_ball_count(scene)),
                     .group = calloc(n + 1, sizeof *m.group),
                     .picked = calloc(n + 1, sizeof *m.picked),

@@ -65,6 +65,14 @@ void em_start_field_free(struct em_start_field *field) {
   *field = (struct em_start_field){0};
 }
 
+bool em_start_field_stops(const struct em_start_field *field) {
+  return field->stop && *field->stop;
+}
+
+enum em_status em_start_field_stopped(struct em_error *err) {
+  return em_error_set(err, EM_STOPPED, NULL, 0, "stopped while the balls were being placed");
+}
+
 void em_start_field_clear(struct em_start_field *field) {
   size_t cells = cell_count(field);
   for (size_t c = 0; c < cells; ++c)

@@ -9,7 +9,8 @@
 
 struct em_start_field {
   const struct em_scene *scene;
-  struct em_balls *balls; /* borrowed */
+  struct em_balls *balls;            /* borrowed */
+  const volatile sig_atomic_t *stop; /* non-zero: the placing shall end. NULL: never */
   struct em_vec low, high, size;
   bool drum, periodic[3];
   struct em_blade *blade; /* owned; all blades, those without tips as flat ones */
@@ -23,6 +24,10 @@ struct em_start_field {
 enum em_status em_start_field_make(struct em_start_field *field, const struct em_scene *scene,
                                    struct em_balls *balls, struct em_error *err);
 void em_start_field_free(struct em_start_field *field);
+
+/* Shall the placing end? The error for it. */
+bool em_start_field_stops(const struct em_start_field *field);
+enum em_status em_start_field_stopped(struct em_error *err);
 
 /* Takes all balls out; puts ball k in at its position. */
 void em_start_field_clear(struct em_start_field *field);

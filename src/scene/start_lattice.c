@@ -129,8 +129,9 @@ enum em_status em_start_lattice_fill(struct em_start_field *field, size_t count,
   size_t found = 0;
   double h = 1.3 * cbrt(volume / (2.0 * (double)needed));
   bool good = false;
-  for (; !good && h > 0.5 * l.sigma; h *= 0.98)
+  for (; !good && h > 0.5 * l.sigma && !em_start_field_stops(field); h *= 0.98)
     good = try_distance(&l, field, widest->first, h, needed, &found);
+  if (em_start_field_stops(field)) return em_start_field_stopped(err);
   struct em_vec *sites = good ? malloc(found * sizeof *sites) : NULL;
   if (!good)
     return em_error_set(err, EM_INPUT, field->scene->file, 0,

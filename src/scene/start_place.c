@@ -63,12 +63,12 @@ static size_t tries_allowed(size_t balls) {
   return balls * each > few ? balls * each : few;
 }
 
-/* Inserts one group's balls from `placed` on until one finds no room; `tries` is what is left. */
+/* Inserts one group's balls until one finds no room; `tries` is what is left. */
 static size_t insert(struct em_start_field *field, const struct em_start_group *group, gsl_rng *rng,
                      size_t *tries) {
   const struct em_species *s = group->species;
   size_t placed = 0;
-  for (; placed < s->count; ++placed) {
+  for (; placed < s->count && !em_start_field_stops(field); ++placed) {
     size_t k = group->first + placed;
     bool found = false;
     for (int t = 0; t<TRIES_PER_BALL && * tries> 0 && !found; ++t, --*tries) {
@@ -85,7 +85,7 @@ static size_t insert(struct em_start_field *field, const struct em_start_group *
 /* Strews the balls of a group from `placed` on at random, with overlaps. */
 static void strew(struct em_start_field *field, const struct em_start_group *group, size_t placed,
                   gsl_rng *rng) {
-  for (; placed < group->species->count; ++placed) {
+  for (; placed < group->species->count && !em_start_field_stops(field); ++placed) {
     size_t k = group->first + placed;
     struct em_vec r = em_start_place_point(field, group->species, rng);
     for (int t = 0; t < TRIES_PER_BALL; ++t) {
@@ -159,6 +159,10 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
     if (!loose) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory to place %zu balls", total);
     strew(field, &group[g], n, rng);
   }
+  if (em_start_field_stops(field)) {
+    free(loose);
+    return em_start_field_stopped(err);
+  }
   if (!loose) return EM_OK;
   for (size_t g = 0; g < count; ++g) {
     for (size_t k = 0; k < group[g].species->count; ++k)
@@ -167,5 +171,6 @@ enum em_status em_start_place_random(struct em_start_field *field, size_t count,
   }
   bool apart = em_start_relax_push(field, loose, rng);
   free(loose);
+  if (em_start_field_stops(field)) return em_start_field_stopped(err);
   return apart ? EM_OK : no_room(field, count, group, placed, err);
 }

@@ -34,8 +34,9 @@ enum em_status em_start_lattice_fill(struct em_start_field *field, size_t count,
                                      const struct em_start_group *group, gsl_rng *rng,
                                      struct em_error *err);
 
-/* Pushes the balls of the groups apart until none overlaps; true when that is reached. All other
- * balls in the field stay where they are. `loose[k]`: ball k may move, within species[k]'s box. */
+/* Pushes the balls of the groups apart until none overlaps, or the field's `stop` ends it; true
+ * when that is reached. All other balls in the field stay where they are. `loose[k]`: ball k may
+ * move, within species[k]'s box. */
 bool em_start_relax_push(struct em_start_field *field, const bool *loose, gsl_rng *rng);
 
 #endif

@@ -139,6 +139,7 @@ static bool sweep_all(struct pushing *all) {
     put_all(all->field);
     for (size_t k = 0; k < n; ++k)
       if (now[k] && all->loose[k]) overlaps += push_ball(all, k);
+    if (em_start_field_stops(all->field)) return false;
     if (overlaps == 0) {
       /* Cells are those at the sweep's beginning: make sure that nothing was overlooked. */
       put_all(all->field);

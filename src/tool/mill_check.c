@@ -34,7 +34,7 @@ static void print_effects(const struct em_scene *scene) {
 static enum em_status make_world(const struct em_scene *scene, struct em_world **world,
                                  struct em_error *err) {
   struct em_balls *balls = NULL;
-  enum em_status status = em_recorder_start(&balls, scene, err);
+  enum em_status status = em_recorder_start(&balls, scene, NULL, err);
   if (!status) status = em_world_new(world, scene, balls, err);
   em_start_free(balls);
   return status;

@@ -199,7 +199,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
   const enum em_status status = em_recorder_run(scene, &record, &summary, &created, &err);
   begun = summary.wall_time > 0.0;
   em_progress_end(progress);
-  if (status == EM_STOPPED && path)
+  if (status == EM_STOPPED && path && begun)
     fprintf(stderr, "interrupted at %.6g s; %s is valid and can be resumed with --resume\n",
             summary.simulated_time, path);
   else if (status)

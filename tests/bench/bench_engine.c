@@ -115,7 +115,7 @@ static void bench(const struct item *item, double limit, size_t extra, char **mo
   struct em_balls *balls;
   struct em_world *w;
   struct em_error err = {0};
-  if (em_start_make(&balls, scene, NULL, &err)) quit(&err);
+  if (em_start_make(&balls, scene, NULL, NULL, &err)) quit(&err);
   if (item->count) shuffle(balls);
   if (em_world_new(&w, scene, balls, &err)) quit(&err);
   const double half = 0.5 * (double)item->count;

@@ -46,7 +46,7 @@ void trial_scene(struct trial *t, const char *scene, const char *format, ...) {
 }
 
 void trial_balls(struct trial *t) {
-  must(em_start_make(&t->balls, t->scene, NULL, &t->err), &t->err);
+  must(em_start_make(&t->balls, t->scene, NULL, NULL, &t->err), &t->err);
 }
 
 void trial_world(struct trial *t) {

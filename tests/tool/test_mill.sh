@@ -103,6 +103,15 @@ for signal in INT TERM; do
   check "with a valid file" bash -c "h5dump -a /eventmill/end '$work/cut.h5' | grep -q interrupted"
 done
 
+"$mill" run geometries/simoloyer-2l.cfg duration=1 balls.count=260000 balls.diameter=0.002 -o none -q \
+  >"$work/out" 2>"$work/said" &
+pid=$!
+sleep 1
+kill -TERM $pid
+wait $pid
+is "SIGTERM ends the placing of balls" 1 $?
+check "and is told" grep -q "stopped while the balls were being placed" "$work/said"
+
 # ---------------------------------------------------------------- disks
 expect 2 "No such file or directory" "a folder that is not there" "$mill" run "${small[@]}" -o "$work/no/a.h5" -q
 expect 2 "not a plain file" "a device" "$mill" run "${small[@]}" -o /dev/full -q --force

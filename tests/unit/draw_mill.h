@@ -33,7 +33,7 @@ static inline struct em_scene *draw_scene(const char *text, size_t count,
 static inline struct em_balls *draw_start(const struct em_scene *scene) {
   struct em_balls *balls = NULL;
   struct em_error err = {0};
-  if (em_start_make(&balls, scene, NULL, &err)) {
+  if (em_start_make(&balls, scene, NULL, NULL, &err)) {
     fprintf(stderr, "%s\n", err.text);
     abort();
   }

@@ -72,7 +72,7 @@ static struct em_world *open_world(size_t which, enum em_partition partition, en
   struct em_balls *balls = NULL;
   struct em_world *world = NULL;
   if (em_scene_parse(scene, scenes[which].text, scenes[which].name, 3, overrides, &err) ||
-      em_start_make(&balls, *scene, NULL, &err) || em_world_new(&world, *scene, balls, &err))
+      em_start_make(&balls, *scene, NULL, NULL, &err) || em_world_new(&world, *scene, balls, &err))
     fail_msg("%s", err.text);
   em_start_free(balls);
   return world;
@@ -323,7 +323,7 @@ static struct em_world *open_cloud(const char *partition, struct em_scene **scen
   struct em_world *world = NULL;
   uint64_t state = 1;
   if (em_scene_parse(scene, CLOUD, "cloud", 1, overrides, &err) ||
-      em_start_make(&balls, *scene, NULL, &err))
+      em_start_make(&balls, *scene, NULL, NULL, &err))
     fail_msg("%s", err.text);
   balls->position[0] = em_vec_make(0.04, 0.09, 0.09);
   for (size_t i = 1; i < balls->count; i++) {
@@ -365,7 +365,7 @@ static void test_too_many_slices(void **unused) {
   struct em_balls *balls = NULL;
   struct em_world *world = NULL;
   assert_int_equal(em_scene_parse(&scene, scenes[0].text, "drum", 2, overrides, &err), EM_OK);
-  assert_int_equal(em_start_make(&balls, scene, NULL, &err), EM_OK);
+  assert_int_equal(em_start_make(&balls, scene, NULL, NULL, &err), EM_OK);
   assert_int_equal(em_world_new(&world, scene, balls, &err), EM_INPUT);
   assert_non_null(strstr(err.text, "engine.slices"));
   em_start_free(balls);

@@ -68,7 +68,7 @@ static void frames_and_contacts_are_those_of_the_world(void **state) {
   struct em_world *world = NULL;
   struct diary diary = {0};
   const struct em_observer observer = {&diary, note};
-  assert_int_equal(em_start_make(&start, scene, NULL, &err), EM_OK);
+  assert_int_equal(em_start_make(&start, scene, NULL, NULL, &err), EM_OK);
   assert_int_equal(em_world_new(&world, scene, start, &err), EM_OK);
   assert_int_equal(em_world_observe(world, &observer), EM_OK);
   assert_int_equal(em_run_file_balls(file, &f, &err), EM_OK);
@@ -222,6 +222,24 @@ static void interrupted_runs_end_as_uninterrupted_ones(void **state) {
   assert_int_equal(em_run_file_session(file, 1, &session, &err), EM_OK);
   assert_true(session.from > 0.0 && session.to > session.from && session.version[0]);
   em_run_file_close(file);
+}
+
+/* Epochs without a contact are many, and none of them may pass it over. */
+static void a_world_in_which_nothing_happens_is_stopped(void **state) {
+  (void)state;
+  static const volatile sig_atomic_t at_once = 1;
+  static const char *const empty[] = {"balls.count=0"};
+  struct em_scene *scene = digest_scene(SMALL_MILL, 1, empty);
+  struct em_balls *start = NULL;
+  struct em_world *world = NULL;
+  struct em_error err = {0};
+  assert_int_equal(em_start_make(&start, scene, NULL, NULL, &err), EM_OK);
+  assert_int_equal(em_world_new(&world, scene, start, &err), EM_OK);
+  assert_int_equal(em_world_run(world, 100.0, &at_once, &err), EM_STOPPED);
+  assert_true(em_world_time(world) == 0.0);
+  em_world_free(world);
+  em_start_free(start);
+  em_scene_free(scene);
 }
 
 /* 0.045 s lies between samples of all kinds. */
@@ -393,6 +411,7 @@ int main(void) {
       cmocka_unit_test(absent_effects_leave_no_trace),
       cmocka_unit_test(summary_closes_the_energy_budget),
       cmocka_unit_test(interrupted_runs_end_as_uninterrupted_ones),
+      cmocka_unit_test(a_world_in_which_nothing_happens_is_stopped),
       cmocka_unit_test(finished_runs_can_be_extended),
       cmocka_unit_test(other_scenes_and_existing_files_are_refused),
       cmocka_unit_test(truncated_files_are_refused),

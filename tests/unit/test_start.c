@@ -39,7 +39,8 @@ static struct em_scene *parse(const char *text) {
 static struct started start(const char *text) {
   struct started s = {.scene = parse(text)};
   struct em_error err = {0};
-  if (em_start_make(&s.balls, s.scene, NULL, &err) != EM_OK) fail_msg("%s\n%s", text, err.text);
+  if (em_start_make(&s.balls, s.scene, NULL, NULL, &err) != EM_OK)
+    fail_msg("%s\n%s", text, err.text);
   return s;
 }
 
@@ -358,19 +359,40 @@ static void the_last_frame_of_a_run(void **state) {
                  "{ count = 5; diameter = 0.006; });");
   struct em_balls *b;
   struct em_error err = {0};
-  assert_int_equal(em_start_make(&b, scene, old.balls, &err), EM_OK);
+  assert_int_equal(em_start_make(&b, scene, old.balls, NULL, &err), EM_OK);
   assert_memory_equal(b->position, old.balls->position, 10 * sizeof *b->position);
   assert_memory_equal(b->velocity + 10, old.balls->velocity + 40, 30 * sizeof *b->velocity);
   assert_true(b->spin[11].y == 2.0);
   em_start_free(b);
-  assert_int_equal(em_start_make(&b, scene, NULL, &err), EM_INPUT);
+  assert_int_equal(em_start_make(&b, scene, NULL, NULL, &err), EM_INPUT);
   assert_non_null(strstr(err.text, "balls.0: old.h5 holds 0 balls of this species, expected 10"));
   assert_null(b);
   scene->species[1].count = 31;
-  assert_int_equal(em_start_make(&b, scene, old.balls, &err), EM_INPUT);
+  assert_int_equal(em_start_make(&b, scene, old.balls, NULL, &err), EM_INPUT);
   assert_non_null(strstr(err.text, "balls.1: old.h5 holds 30 balls of this species, expected 31"));
   em_scene_free(scene);
   end(&old);
+}
+
+/* ---- stopping */
+
+static void placing_stops_on_request(void **state) {
+  (void)state;
+  static const volatile sig_atomic_t stop = 1;
+  static const char *const text[] = {
+      DRUM "balls = { count = 100; diameter = 0.005; };",
+      DRUM "balls = { count = 100; diameter = 0.005; start = \"lattice\"; };",
+      "chamber = { shape = \"box\"; size = [1, 1, 1]; };"
+      "balls = { count = 500; diameter = 0.12; };", /* pushed apart */
+  };
+  for (size_t k = 0; k < sizeof text / sizeof *text; k++) {
+    struct em_scene *scene = parse(text[k]);
+    struct em_balls *b;
+    struct em_error err = {0};
+    assert_int_equal(em_start_make(&b, scene, NULL, &stop, &err), EM_STOPPED);
+    assert_null(b);
+    em_scene_free(scene);
+  }
 }
 
 /* ---- no room */
@@ -379,7 +401,7 @@ static void no_room(const char *text, const char *message) {
   struct em_scene *scene = parse(text);
   struct em_balls *b;
   struct em_error err = {0};
-  assert_int_equal(em_start_make(&b, scene, NULL, &err), EM_INPUT);
+  assert_int_equal(em_start_make(&b, scene, NULL, NULL, &err), EM_INPUT);
   assert_null(b);
   if (!strstr(err.text, message)) fail_msg("%s lacks %s", err.text, message);
   em_scene_free(scene);
@@ -429,6 +451,7 @@ int main(void) {
       cmocka_unit_test(lattices_are_even),
       cmocka_unit_test(momentum_is_removed_where_nothing_takes_it_up),
       cmocka_unit_test(the_last_frame_of_a_run),
+      cmocka_unit_test(placing_stops_on_request),
       cmocka_unit_test(errors_where_there_is_no_room),
       cmocka_unit_test(no_balls),
   };
