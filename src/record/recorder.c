@@ -325,7 +325,7 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
                                   struct em_error *err) {
   struct em_snapshot *snapshot = NULL;
   enum em_status status = em_world_snapshot(r->world, &snapshot, err);
-  if (!status) status = em_writer_new(&r->writer, r->options->path, r->scene, start, snapshot, err);
+  if (!status) status = em_writer_begin(r->writer, r->scene, start, snapshot, err);
   em_world_snapshot_free(snapshot);
   return status;
 }
@@ -336,7 +336,7 @@ static enum em_status start_new(struct recorder *r, struct em_error *err) {
   if (!status) status = em_world_new(&r->world, r->scene, start, err);
   if (!status) remember_start(r);
   em_provenance_begin(&r->session, r->options->command, 0.0);
-  if (!status && r->options->path) status = create_file(r, start, err);
+  if (!status && r->writer) status = create_file(r, start, err);
   em_start_free(start);
   return status;
 }
@@ -442,7 +442,7 @@ static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
                         r->scene->duration);
   r->finished = r->state.end == EM_END_DONE && r->scene->duration <= r->state.time;
   status = reload_world(r, file, err);
-  if (!status) status = em_writer_resume(&r->writer, r->options->path, r->scene, err);
+  if (!status) status = em_writer_resume(r->writer, r->scene, err);
   if (!status) status = reload_samples(r, file, err);
   if (!status) status = reload_blocks(r, file, err);
   if (status) return status;
@@ -501,15 +501,18 @@ static enum em_status check_targets(const struct em_scene *scene,
   return EM_OK;
 }
 
+/* What is at the path is looked at when nobody else can change it any more. */
 static enum em_status start(struct recorder *r, struct em_error *err) {
   const struct em_recorder_options *o = r->options;
   struct stat info;
+  enum em_status status = check_targets(r->scene, o, err);
+  if (!status && o->path) status = em_writer_new(&r->writer, o->path, err);
+  if (status) return status;
   const bool exists = o->path && stat(o->path, &info) == 0;
   if (exists && !o->resume && !o->force)
     return em_error_set(err, EM_INPUT, o->path, 0,
                         "exists already: resume it, or force its replacement");
-  enum em_status status = check_targets(r->scene, o, err);
-  if (!status) status = make_room(r, err);
+  status = make_room(r, err);
   if (status) return status;
   return exists && o->resume ? start_again(r, err) : start_new(r, err);
 }

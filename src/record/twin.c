@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,8 +17,11 @@
 enum { PAGE_BITS = 12, COPY_ROOM = 1 << 20 };
 
 struct em_twin {
-  char *path, *next, *spare; /* visible; hidden; name that keeps the old one while it is replaced */
-  int fd;                    /* of the hidden copy */
+  char *asked;               /* the path as it was given, for messages */
+  char *path, *next, *spare; /* visible, behind all links; hidden; name that keeps the old one while
+                                it is replaced */
+  char *claim;               /* name of the file whose lock is held as long as the work goes on */
+  int claim_fd, fd;          /* of that file; of the hidden copy */
   uint64_t *dirty;           /* a bit per page that changed since the copies were equal */
   size_t dirty_words;
   uint64_t written; /* bytes: the hidden copy's length as HDF5 sees it */
@@ -247,19 +251,14 @@ static hid_t driver_register(void) {
 
 /* ---------------------------------------------------------------- the two files */
 
-/* Locks that readers do not see, and that end with the process. */
+/* A lock that ends with the process. */
 static bool lock(int fd) {
   struct flock region = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
   return fcntl(fd, F_OFD_SETLK, &region) == 0 || (errno != EAGAIN && errno != EACCES);
 }
 
-static void unlock(int fd) {
-  struct flock region = {.l_type = F_UNLCK, .l_whence = SEEK_SET};
-  (void)fcntl(fd, F_OFD_SETLK, &region);
-}
-
 static enum em_status cannot(const struct em_twin *twin, int error, struct em_error *err) {
-  return em_error_set(err, EM_FILE, twin->path, 0, "cannot be written: %s", strerror(error));
+  return em_error_set(err, EM_FILE, twin->asked, 0, "cannot be written: %s", strerror(error));
 }
 
 static char *name_with(const char *path, const char *ending) {
@@ -272,65 +271,96 @@ static enum em_status check_target(const struct em_twin *twin, struct em_error *
   struct stat info;
   if (stat(twin->path, &info) != 0) return errno == ENOENT ? EM_OK : cannot(twin, errno, err);
   if (!S_ISREG(info.st_mode))
-    return em_error_set(err, EM_FILE, twin->path, 0, "is not a plain file");
+    return em_error_set(err, EM_FILE, twin->asked, 0, "is not a plain file");
   if (access(twin->path, W_OK) != 0) return cannot(twin, errno, err);
   return EM_OK;
 }
 
-/* A process that was killed a moment ago may still hold its lock while the disk is busy. */
-static bool lock_soon(int fd) {
-  const struct timespec pause = {.tv_nsec = 50000000};
-  for (int tries = 0; tries < 60; tries++) {
-    if (lock(fd)) return true;
-    (void)nanosleep(&pause, NULL);
-  }
-  return false;
+/* The name of the file that `path` means behind all links, be it there or not. NULL: errno. */
+static char *resolve(const char *path) {
+  char *real = realpath(path, NULL), target[PATH_MAX];
+  if (real || errno != ENOENT) return real;
+  const ssize_t n = readlink(path, target, sizeof target - 1);
+  if (n < 0) return strdup(path);
+  target[n] = '\0';
+  const char *slash = strrchr(path, '/');
+  char *name = NULL;
+  if (target[0] == '/' || !slash) return resolve(target);
+  if (asprintf(&name, "%.*s/%s", (int)(slash - path), path, target) < 0) return NULL;
+  real = resolve(name);
+  free(name);
+  return real;
 }
 
-static enum em_status open_hidden(struct em_twin *twin, struct em_error *err) {
-  enum em_status status = check_target(twin, err);
-  if (status) return status;
-  twin->fd = open(twin->next, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (twin->fd < 0) return cannot(twin, errno, err);
-  if (!lock_soon(twin->fd)) {
-    close(twin->fd);
-    twin->fd = -1;
-    return em_error_set(err, EM_FILE, twin->path, 0, "another process is writing this run");
+static bool is_named(int fd, const char *path) {
+  struct stat open, named;
+  return fstat(fd, &open) == 0 && stat(path, &named) == 0 && open.st_dev == named.st_dev &&
+         open.st_ino == named.st_ino;
+}
+
+/* Locks the file of that name, which only its holder removes: whoever got a lock on a file that has
+ * been removed begins again. A process that was killed a moment ago may still hold its lock while
+ * the disk is busy: 3 s. */
+static enum em_status take_claim(struct em_twin *twin, struct em_error *err) {
+  const struct timespec pause = {.tv_nsec = 50000000};
+  for (int tries = 0; tries < 60; tries++) {
+    const int fd = open(twin->claim, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd < 0) return cannot(twin, errno, err);
+    if (lock(fd) && is_named(fd, twin->claim)) {
+      twin->claim_fd = fd;
+      return EM_OK;
+    }
+    close(fd);
+    (void)nanosleep(&pause, NULL);
   }
-  (void)unlink(twin->spare);
-  return ftruncate(twin->fd, 0) == 0 ? EM_OK : cannot(twin, errno, err);
+  return em_error_set(err, EM_FILE, twin->asked, 0, "another process is writing this run");
 }
 
 static enum em_status copy_visible(struct em_twin *twin, struct em_error *err) {
   const int fd = open(twin->path, O_RDONLY | O_CLOEXEC);
   if (fd < 0)
-    return em_error_set(err, EM_FILE, twin->path, 0, "cannot be read: %s", strerror(errno));
+    return em_error_set(err, EM_FILE, twin->asked, 0, "cannot be read: %s", strerror(errno));
   const int error = copy_whole(fd, twin->fd);
   close(fd);
   twin->published = true;
   return error ? cannot(twin, error, err) : EM_OK;
 }
 
-enum em_status em_twin_new(struct em_twin **out, const char *path, bool from_existing,
-                           struct em_error *err) {
+static enum em_status set_names(struct em_twin *twin, const char *path, struct em_error *err) {
+  twin->asked = name_with(path, "");
+  twin->path = resolve(path);
+  if (!twin->path && errno != ENOMEM)
+    return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+  if (twin->path) {
+    twin->next = name_with(twin->path, ".next");
+    twin->spare = name_with(twin->path, ".prev");
+    twin->claim = name_with(twin->path, ".lock");
+  }
+  twin->driver = driver_register();
+  if (twin->asked && twin->next && twin->spare && twin->claim && twin->driver >= 0) return EM_OK;
+  return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
+}
+
+enum em_status em_twin_new(struct em_twin **out, const char *path, struct em_error *err) {
   struct em_twin *twin = calloc(1, sizeof *twin);
   if (!twin) return em_error_set(err, EM_MEMORY, path, 0, "out of memory");
-  twin->fd = -1;
-  twin->path = name_with(path, "");
-  twin->next = name_with(path, ".next");
-  twin->spare = name_with(path, ".prev");
-  twin->driver = driver_register();
-  enum em_status status = EM_OK;
-  if (!twin->path || !twin->next || !twin->spare || twin->driver < 0)
-    status = em_error_set(err, EM_MEMORY, path, 0, "out of memory");
-  if (!status) status = open_hidden(twin, err);
-  if (!status && from_existing) status = copy_visible(twin, err);
+  twin->fd = twin->claim_fd = -1;
+  enum em_status status = set_names(twin, path, err);
+  if (!status) status = check_target(twin, err);
+  if (!status) status = take_claim(twin, err);
   if (status) {
     em_twin_free(twin);
     return status;
   }
   *out = twin;
   return EM_OK;
+}
+
+enum em_status em_twin_begin(struct em_twin *twin, bool from_existing, struct em_error *err) {
+  twin->fd = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (twin->fd < 0) return cannot(twin, errno, err);
+  (void)unlink(twin->spare);
+  return from_existing ? copy_visible(twin, err) : EM_OK;
 }
 
 void em_twin_free(struct em_twin *twin) {
@@ -340,10 +370,16 @@ void em_twin_free(struct em_twin *twin) {
     (void)unlink(twin->spare);
     close(twin->fd);
   }
+  if (twin->claim_fd >= 0) {
+    (void)unlink(twin->claim);
+    close(twin->claim_fd);
+  }
   if (twin->driver > 0) H5FDunregister(twin->driver);
+  free(twin->asked);
   free(twin->path);
   free(twin->next);
   free(twin->spare);
+  free(twin->claim);
   free(twin->dirty);
   free(twin);
 }
@@ -363,14 +399,15 @@ const char *em_twin_name(const struct em_twin *twin) {
 }
 
 /* The old visible file under its spare name, so that it outlives the rename; -1: there is none, or
- * the file system has no hard links, or somebody is reading it. */
+ * the file system has no hard links, or somebody is reading it or has given it a third name. */
 static int keep_old(const struct em_twin *twin) {
+  struct stat info;
   (void)unlink(twin->spare);
   if (!twin->published || link(twin->path, twin->spare) != 0) return -1;
   const int fd = open(twin->spare, O_RDWR | O_CLOEXEC);
-  if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
+  if (fd >= 0 && fstat(fd, &info) == 0 && info.st_nlink == 2 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
     (void)flock(fd, LOCK_UN);
-    if (lock(fd)) return fd;
+    return fd;
   }
   if (fd >= 0) close(fd);
   (void)unlink(twin->spare);
@@ -386,10 +423,8 @@ static int renew_hidden(struct em_twin *twin, int old) {
   } else {
     old = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (old < 0) return errno;
-    (void)lock(old);
     error = copy_whole(twin->fd, old);
   }
-  unlock(twin->fd);
   close(twin->fd);
   twin->fd = old;
   if (twin->dirty) memset(twin->dirty, 0, twin->dirty_words * sizeof *twin->dirty);

@@ -2,7 +2,11 @@
  *
  * HDF5 writes into the hidden copy PATH.next alone. em_twin_publish, called when HDF5 has closed
  * its file, makes that copy appear as PATH in one atomic rename; the former PATH becomes the hidden
- * copy and gets those pages that differ. Whenever the program dies, PATH is a closed HDF5 file. */
+ * copy and gets those pages that differ. Whenever the program dies, PATH is a closed HDF5 file.
+ *
+ * One process at a time works on PATH: it holds a lock on PATH.lock, a file of no content that it
+ * removes at the end. When PATH is a symbolic link, all this happens beside the file that it leads
+ * to. */
 #ifndef EVENTMILL_TWIN_H
 #define EVENTMILL_TWIN_H
 
@@ -13,12 +17,15 @@
 
 struct em_twin;
 
-/* Begins to work on `path`: with an empty copy, or (from_existing) with a copy of what is there.
- * Errors: EM_FILE (cannot be written; another process works on it; disk full), EM_MEMORY. */
-enum em_status em_twin_new(struct em_twin **twin, const char *path, bool from_existing,
-                           struct em_error *err);
+/* Claims `path`: until em_twin_free nobody else changes what is there. Errors: EM_FILE (cannot be
+ * written; another process works on it), EM_MEMORY. */
+enum em_status em_twin_new(struct em_twin **twin, const char *path, struct em_error *err);
 
-/* Ends the work: the hidden copy is removed, PATH stays as it was last published. */
+/* Makes the hidden copy: an empty one, or (from_existing) a copy of what is there. Errors: EM_FILE
+ * (cannot be read or written; disk full). */
+enum em_status em_twin_begin(struct em_twin *twin, bool from_existing, struct em_error *err);
+
+/* Ends the work: the hidden copy and the lock are removed, PATH stays as it was last published. */
 void em_twin_free(struct em_twin *twin);
 
 /* A file access list that leads HDF5 to the hidden copy; to be closed by the caller. Negative: no.

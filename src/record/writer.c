@@ -22,17 +22,27 @@ static enum em_status no_memory(const char *path, struct em_error *err) {
 
 /* ---------------------------------------------------------------- beginning and end */
 
-static enum em_status make(struct em_writer **out, const char *path, const struct em_scene *scene,
-                           bool resume, struct em_error *err) {
+enum em_status em_writer_new(struct em_writer **out, const char *path, struct em_error *err) {
   em_h5_quiet();
   struct em_writer *writer = calloc(1, sizeof *writer);
   if (!writer) return no_memory(path, err);
   writer->file = -1;
-  writer->scene = scene;
-  *out = writer;
   writer->path = strdup(path);
-  if (!writer->path || !em_writer_file_logs(writer)) return no_memory(path, err);
-  return em_twin_new(&writer->twin, path, resume, err);
+  const enum em_status status =
+      writer->path ? em_twin_new(&writer->twin, path, err) : no_memory(path, err);
+  if (status) {
+    em_writer_free(writer);
+    return status;
+  }
+  *out = writer;
+  return EM_OK;
+}
+
+static enum em_status begin(struct em_writer *writer, const struct em_scene *scene, bool resume,
+                            struct em_error *err) {
+  writer->scene = scene;
+  if (!em_writer_file_logs(writer)) return no_memory(writer->path, err);
+  return em_twin_begin(writer->twin, resume, err);
 }
 
 static hid_t open_file(const struct em_writer *writer, bool create) {
@@ -54,44 +64,27 @@ static bool make_table(struct em_writer *writer, uint64_t rows) {
   return writer->table;
 }
 
-enum em_status em_writer_new(struct em_writer **out, const char *path, const struct em_scene *scene,
-                             const struct em_balls *balls, const struct em_snapshot *snapshot,
-                             struct em_error *err) {
-  struct em_writer *writer = NULL;
-  enum em_status status = make(&writer, path, scene, false, err);
-  if (!status) {
-    writer->file = open_file(writer, true);
-    if (writer->file < 0 || !em_writer_file_create(writer, balls, snapshot) ||
-        em_twin_errno(writer->twin))
-      status = failed(writer, err);
-  }
-  if (!status && !make_table(writer, 0)) status = no_memory(path, err);
-  if (status) {
-    em_writer_free(writer);
-    return status;
-  }
-  *out = writer;
-  return EM_OK;
+enum em_status em_writer_begin(struct em_writer *writer, const struct em_scene *scene,
+                               const struct em_balls *balls, const struct em_snapshot *snapshot,
+                               struct em_error *err) {
+  const enum em_status status = begin(writer, scene, false, err);
+  if (status) return status;
+  writer->file = open_file(writer, true);
+  if (writer->file < 0 || !em_writer_file_create(writer, balls, snapshot) ||
+      em_twin_errno(writer->twin))
+    return failed(writer, err);
+  return make_table(writer, 0) ? EM_OK : no_memory(writer->path, err);
 }
 
-enum em_status em_writer_resume(struct em_writer **out, const char *path,
-                                const struct em_scene *scene, struct em_error *err) {
-  struct em_writer *writer = NULL;
-  enum em_status status = make(&writer, path, scene, true, err);
-  if (!status) {
-    writer->file = open_file(writer, false);
-    if (writer->file < 0 || !em_writer_file_resume(writer))
-      status = em_error_set(err, EM_FORMAT, path, 0, "its datasets do not fit its checkpoint");
-    else if (em_twin_errno(writer->twin))
-      status = failed(writer, err);
-  }
-  if (!status && !make_table(writer, writer->rows)) status = no_memory(path, err);
-  if (status) {
-    em_writer_free(writer);
-    return status;
-  }
-  *out = writer;
-  return EM_OK;
+enum em_status em_writer_resume(struct em_writer *writer, const struct em_scene *scene,
+                                struct em_error *err) {
+  const enum em_status status = begin(writer, scene, true, err);
+  if (status) return status;
+  writer->file = open_file(writer, false);
+  if (writer->file < 0 || !em_writer_file_resume(writer))
+    return em_error_set(err, EM_FORMAT, writer->path, 0, "its datasets do not fit its checkpoint");
+  if (em_twin_errno(writer->twin)) return failed(writer, err);
+  return make_table(writer, writer->rows) ? EM_OK : no_memory(writer->path, err);
 }
 
 void em_writer_free(struct em_writer *writer) {

@@ -16,15 +16,18 @@ struct em_writer_flush {
   bool last; /* nothing will be written any more */
 };
 
-/* Begins a new run file; `balls` are those at the start. Nothing is at `path` before the first
+/* Claims `path`: what is there stays as it is, for whoever wants to read it, until this writer
+ * flushes. Errors: EM_FILE (cannot be written; another process writes it), EM_MEMORY. */
+enum em_status em_writer_new(struct em_writer **writer, const char *path, struct em_error *err);
+/* Begins a new run file; `balls` are those at the start. It is not to be seen before the first
  * flush. Errors: EM_FILE, EM_MEMORY. */
-enum em_status em_writer_new(struct em_writer **writer, const char *path,
-                             const struct em_scene *scene, const struct em_balls *balls,
-                             const struct em_snapshot *snapshot, struct em_error *err);
-/* Goes on with the file at `path`, whose checkpoint tells the engine's state. The scene may differ
- * from the stored one in its duration alone. Errors: EM_FILE, EM_FORMAT, EM_MEMORY. */
-enum em_status em_writer_resume(struct em_writer **writer, const char *path,
-                                const struct em_scene *scene, struct em_error *err);
+enum em_status em_writer_begin(struct em_writer *writer, const struct em_scene *scene,
+                               const struct em_balls *balls, const struct em_snapshot *snapshot,
+                               struct em_error *err);
+/* Goes on with the file that is there, whose checkpoint tells the engine's state. The scene may
+ * differ from the stored one in its duration alone. Errors: EM_FILE, EM_FORMAT, EM_MEMORY. */
+enum em_status em_writer_resume(struct em_writer *writer, const struct em_scene *scene,
+                                struct em_error *err);
 /* Leaves the file as it was at the last flush. */
 void em_writer_free(struct em_writer *writer);
 

@@ -59,6 +59,7 @@ while [ $kills -lt "$KILLS" ]; do
   [ $status -eq 0 ] || fail "exit code $status: $(cat "$work/messages")"
   same "$work/whole.h5" "$work/cut.h5" || fail "round $rounds: not the uninterrupted run"
   [ -e "$work/cut.h5.next" ] && fail "the second copy was left behind"
+  [ -e "$work/cut.h5.lock" ] && fail "the lock was left behind"
   rounds=$((rounds + 1))
 done
 [ $resumed -gt 0 ] || fail "no kill left a file to resume"

@@ -112,6 +112,68 @@ wait $pid
 is "SIGTERM ends the placing of balls" 1 $?
 check "and is told" grep -q "stopped while the balls were being placed" "$work/said"
 
+# ---------------------------------------------------------------- two at a time
+# Only one works on a file; the other says so.
+valid() { "$post" info --json "$1" >/dev/null; }
+two=("$gas" balls.count=200 duration=1e9 record.collisions=true record.frames=1.0)
+"$mill" run "${two[@]}" record.checkpoint=0.05 -o "$work/two.h5" -q >/dev/null 2>"$work/first" &
+pid=$!
+for _ in $(seq 200); do [ -e "$work/two.h5" ] && break; sleep 0.05; done
+others=()
+for way in --resume --force; do
+  "$mill" run "${two[@]}" record.checkpoint=0.05 -o "$work/two.h5" -q $way >/dev/null 2>"$work/other$way" &
+  others+=($!)
+done
+wait "${others[0]}"
+is "--resume of a file that is being written" 2 $?
+wait "${others[1]}"
+is "--force of a file that is being written" 2 $?
+for way in --resume --force; do
+  check "$way says why" grep -q "another process is writing this run" "$work/other$way"
+done
+check "the file is valid meanwhile" valid "$work/two.h5"
+kill -INT $pid
+wait $pid
+is "the first one has its own end" 1 $?
+check "and its file" bash -c "h5dump -a /eventmill/end '$work/two.h5' | grep -q interrupted"
+for round in 1 2 3; do
+  rm -f "$work/two.h5"
+  for seed in 1 2; do
+    "$mill" run "${small[@]}" seed=$seed -o "$work/two.h5" -q >/dev/null 2>"$work/seed$seed" &
+    others[seed]=$!
+  done
+  codes=0 winner=0
+  for seed in 1 2; do
+    if wait "${others[seed]}"; then winner=$seed; else codes=$((codes + 1)); fi
+  done
+  is "of two that begin together one is refused, round $round" 1 $codes
+  check "the file is the other's" bash -c "'$post' info --scene '$work/two.h5' | grep -q 'seed = $winner;'"
+  "$mill" run "${small[@]}" duration=0.05 -o "$work/two.h5" -q --force >/dev/null 2>"$work/err" &
+  pid=$!
+  "$mill" run "${small[@]}" duration=0.05 -o "$work/two.h5" -q --resume >/dev/null 2>"$work/other"
+  second=$?
+  wait $pid
+  first=$?
+  # Whichever was first: both know the same scene, and the end is one of a whole run or a refusal.
+  case $first$second in 00 | 02 | 20) verdict=0 ;; *) verdict="$first and $second" ;; esac
+  is "--force and --resume together, round $round" 0 "$verdict"
+  check "leave a valid file" valid "$work/two.h5"
+done
+
+# ---------------------------------------------------------------- links
+mkdir "$work/far"
+ln -s far/target.h5 "$work/link.h5"
+expect 0 "" "a link that leads nowhere yet" "$mill" run "${small[@]}" -o "$work/link.h5" -q
+check "its target is made" test -f "$work/far/target.h5" -a -L "$work/link.h5"
+ln "$work/far/target.h5" "$work/kept.h5"
+cp "$work/kept.h5" "$work/copy.h5"
+expect 0 "" "resuming through a link" \
+  "$mill" run "${small[@]}" duration=0.004 record.checkpoint=30.0 -o "$work/link.h5" -q --resume
+check "the link stays" test -L "$work/link.h5"
+check "its target goes on" bash -c "h5dump -a /eventmill/time '$work/far/target.h5' | grep -q 0.004"
+check "another name of the old file keeps it" cmp "$work/kept.h5" "$work/copy.h5"
+check "nothing is left over" test -z "$(find "$work" -name '*.h5.*')"
+
 # ---------------------------------------------------------------- disks
 expect 2 "No such file or directory" "a folder that is not there" "$mill" run "${small[@]}" -o "$work/no/a.h5" -q
 expect 2 "not a plain file" "a device" "$mill" run "${small[@]}" -o /dev/full -q --force

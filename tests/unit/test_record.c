@@ -268,9 +268,12 @@ static void other_scenes_and_existing_files_are_refused(void **state) {
   uint64_t after = 0;
   assert_int_equal(digest_run(path, &after, &err), EM_OK);
   assert_true(before == after);
-  char next[300];
-  snprintf(next, sizeof next, "%s.next", path);
-  assert_int_not_equal(access(next, F_OK), 0);
+  static const char *const ending[] = {"next", "prev", "lock"};
+  for (int k = 0; k < 3; k++) {
+    char other_name[300];
+    snprintf(other_name, sizeof other_name, "%s.%s", path, ending[k]);
+    assert_int_not_equal(access(other_name, F_OK), 0);
+  }
 }
 
 /* ---------------------------------------------------------------- damage */

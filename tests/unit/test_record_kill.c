@@ -114,6 +114,8 @@ static void remove_run(const char *path) {
   unlink(other);
   snprintf(other, sizeof other, "%s.prev", path);
   unlink(other);
+  snprintf(other, sizeof other, "%s.lock", path);
+  unlink(other);
 }
 
 /* What is there can be read to its end, and goes on to the end of the uninterrupted run. */
