@@ -65,10 +65,12 @@ struct em_summary {
 
 /* Runs the scene. The file is valid at every moment; errors that come after its creation leave it
  * so, and it can be resumed. An existing file is touched only with `resume` or `force`, and in the
- * latter case not before its replacement is complete. summary (may be NULL) is filled as far as the
- * run came. Errors: EM_INPUT (scene does not fit the file to be resumed, or the targets; the file
- * exists), EM_FILE (cannot be written; disk full), EM_FORMAT (damaged file), EM_STOPPED, and those
- * of em_start_make and em_world_run. `*created` (may be NULL) tells whether the run file exists. */
+ * latter case not before its replacement is complete. What is resumed is the stored scene with the
+ * new duration: a run that its balls started from is not read again. summary (may be NULL) is
+ * filled as far as the run came. Errors: EM_INPUT (scene does not fit the file to be resumed, or
+ * the targets; the file exists), EM_FILE (cannot be written; another process writes it; disk full),
+ * EM_FORMAT (damaged file), EM_STOPPED, and those of em_start_make and em_world_run. `*created`
+ * (may be NULL) tells whether the run file exists. */
 enum em_status em_recorder_run(const struct em_scene *scene,
                                const struct em_recorder_options *options,
                                struct em_summary *summary, bool *created, struct em_error *err);

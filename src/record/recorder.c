@@ -20,6 +20,7 @@ static const double AT_EVERY_LOOK = 1e-3;
 
 struct recorder {
   const struct em_scene *scene;
+  struct em_scene *stored; /* the scene of a run that is resumed, owned; else NULL */
   const struct em_recorder_options *options;
   struct em_world *world;
   struct em_writer *writer;         /* NULL: no file */
@@ -294,6 +295,7 @@ static void clear(struct recorder *r) {
   em_start_free(r->balls);
   em_summary_end(&r->part);
   em_precision_free(r->precision);
+  em_scene_free(r->stored);
   free(r->speeds);
   free(r->impulse);
   free(r->block_base);
@@ -343,25 +345,63 @@ static enum em_status start_new(struct recorder *r, struct em_error *err) {
 
 /* ---------------------------------------------------------------- resuming */
 
-/* The stored scene with the new duration must read as the new scene does. */
-static enum em_status compare_scenes(const struct recorder *r, const struct em_run_file *file,
-                                     struct em_error *err) {
+/* Balls that started from a run are in the checkpoint, and so are the blades that it turned: which
+ * run that was, and the blades' angles, are taken as they are stored. */
+static void take_origin(struct em_scene *scene, const struct em_scene *stored) {
+  bool from_run = false;
+  for (size_t s = 0; s < scene->species_count && s < stored->species_count; s++) {
+    struct em_species *species = &scene->species[s];
+    if (species->start != EM_START_RUN || stored->species[s].start != EM_START_RUN) continue;
+    memcpy(species->from, stored->species[s].from, sizeof species->from);
+    from_run = true;
+  }
+  for (size_t k = 0; from_run && k < scene->rotor_count && k < stored->rotor_count; k++) {
+    struct em_rotor *to = &scene->rotor[k];
+    const struct em_rotor *from = &stored->rotor[k];
+    for (size_t b = 0; b < to->blade_count && b < from->blade_count; b++)
+      to->blade[b].angle = from->blade[b].angle;
+  }
+}
+
+/* The texts must be the same; if not, the first line in which they differ is told. */
+static enum em_status compare_texts(const char *stored, const char *wanted, const char *path,
+                                    struct em_error *err) {
+  if (strcmp(stored, wanted) == 0) return EM_OK;
+  const char *a = stored, *b = wanted;
+  for (size_t k = 0; stored[k] == wanted[k]; k++)
+    if (stored[k] == '\n') a = stored + k + 1, b = wanted + k + 1;
+  a += strspn(a, " ");
+  b += strspn(b, " ");
+  return em_error_set(err, EM_INPUT, path, 0,
+                      "was made from another scene; only the duration may change on resuming: "
+                      "\"%.*s\" there, \"%.*s\" now",
+                      (int)strcspn(a, "#\n"), a, (int)strcspn(b, "#\n"), b);
+}
+
+/* The stored scene with the new duration, which must read as the new scene does. It is the one that
+ * goes on. */
+static enum em_status take_scene(struct recorder *r, const struct em_run_file *file,
+                                 struct em_error *err) {
   char duration[64];
   snprintf(duration, sizeof duration, "duration=%.17g", r->scene->duration);
-  const char *overrides[1] = {duration};
-  struct em_scene *stored = NULL;
-  enum em_status status = em_scene_parse(&stored, em_run_file_scene_text(file),
-                                         em_run_file_path(file), 1, overrides, err);
-  if (status) return status;
-  char *a = em_scene_text(stored), *b = em_scene_text(r->scene);
-  em_scene_free(stored);
-  if (!a || !b)
-    status = no_memory(err);
-  else if (strcmp(a, b) != 0)
-    status = em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
-                          "was made from another scene; only the duration may change on resuming");
+  const char *overrides[1] = {duration}, *name = r->scene->file;
+  struct em_scene *wanted = NULL;
+  char *a = NULL, *b = em_scene_text(r->scene);
+  enum em_status status = b ? em_scene_parse(&wanted, b, name, 0, NULL, err) : no_memory(err);
+  free(b);
+  b = NULL;
+  if (!status)
+    status = em_scene_parse(&r->stored, em_run_file_scene_text(file), name, 1, overrides, err);
+  if (!status) {
+    take_origin(wanted, r->stored);
+    a = em_scene_text(r->stored);
+    b = em_scene_text(wanted);
+    status = a && b ? compare_texts(a, b, em_run_file_path(file), err) : no_memory(err);
+  }
+  em_scene_free(wanted);
   free(a);
   free(b);
+  if (!status) r->scene = r->stored;
   return status;
 }
 
@@ -434,7 +474,7 @@ static enum em_status reload_world(struct recorder *r, const struct em_run_file 
 static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
                             struct em_error *err) {
   r->state = *em_run_file_state(file);
-  enum em_status status = compare_scenes(r, file, err);
+  enum em_status status = take_scene(r, file, err);
   if (status) return status;
   if (r->scene->duration < r->state.time)
     return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,

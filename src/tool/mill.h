@@ -48,7 +48,16 @@ int em_mill_words(struct em_mill_options *options, const struct em_mill_help *he
 /* Prints "what 'word'" (word may be NULL) and where to find help. Returns the exit code. */
 int em_mill_usage(const struct em_mill_help *help, const char *what, const char *word);
 
-/* Reads the scene; prints its errors. Returns -1, or the exit code. */
+/* Says that getopt's `letter` is no option here: '?', or one of `letters` that this command does
+ * not take. `name`: its long form if that was used, else NULL; `word`: the last one that getopt
+ * took. Returns the exit code. */
+int em_mill_unknown(const struct em_mill_help *help, const char *letters, int letter,
+                    const char *name, const char *word);
+
+/* Reads the scene; turns its blades, when its balls start from a run, to where they stood then;
+ * both at once. Print errors. Return -1, or the exit code. */
+int em_mill_read(struct em_scene **scene, const struct em_mill_options *options);
+int em_mill_turn(struct em_scene *scene);
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
 
 /* Prints the error's text to stderr. */

@@ -92,14 +92,24 @@ void em_mill_complain(const struct em_error *err) {
   fprintf(stderr, "%s\n", err->text);
 }
 
-int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options) {
+static int refuse(const struct em_error *err) {
+  em_mill_complain(err);
+  return err->code == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
+}
+
+int em_mill_read(struct em_scene **scene, const struct em_mill_options *options) {
   struct em_error err = {0};
-  if (em_scene_read(scene, options->scene, options->override_count, options->overrides, &err) ==
-      EM_OK) {
-    if (em_run_file_turn(*scene, &err) == EM_OK) return -1;
-    em_scene_free(*scene);
-    *scene = NULL;
-  }
-  em_mill_complain(&err);
-  return err.code == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
+  const enum em_status status =
+      em_scene_read(scene, options->scene, options->override_count, options->overrides, &err);
+  return status ? refuse(&err) : -1;
+}
+
+int em_mill_turn(struct em_scene *scene) {
+  struct em_error err = {0};
+  return em_run_file_turn(scene, &err) ? refuse(&err) : -1;
+}
+
+int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options) {
+  const int code = em_mill_read(scene, options);
+  return code < 0 ? em_mill_turn(*scene) : code;
 }

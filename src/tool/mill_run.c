@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tool/mill.h"
 #include "tool/progress.h"
@@ -214,22 +215,35 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
   return exit_code(status, created && begun);
 }
 
+/* Readers of run files take paths of this length. */
+static int check_path(const char *path) {
+  if (strlen(path) < EM_SCENE_PATH) return -1;
+  fprintf(stderr, "%s: error: the path is too long, expected at most %d bytes\n", path,
+          EM_SCENE_PATH - 1);
+  return EM_MILL_USAGE;
+}
+
+/* Runs a scene that has been read. One that is resumed has its blades in its checkpoint. */
+static int run_scene(struct em_scene *scene, const struct em_mill_options *options, char *command) {
+  char name[EM_SCENE_PATH];
+  em_recorder_default_path(scene, name, sizeof name);
+  const char *path = options->out ? options->out : name;
+  if (strcmp(path, "none") == 0 && options->out) path = NULL;
+  int code = path ? check_path(path) : -1;
+  const bool resumes = path && options->resume && access(path, F_OK) == 0;
+  if (code < 0 && !resumes) code = em_mill_turn(scene);
+  if (code >= 0) return code;
+  if (!options->out && !options->quiet) fprintf(stderr, "writing %s\n", path);
+  return run(scene, options, path, command);
+}
+
 int em_mill_run(int argc, char **argv) {
   struct em_mill_options options;
   struct em_scene *scene = NULL;
-  char path[EM_SCENE_PATH];
   char *command = join(argc, argv); /* before the options are put in order */
   int code = em_mill_options(&options, &help, argc, argv);
-  if (code < 0) code = em_mill_scene(&scene, &options);
-  if (code < 0) {
-    const bool none = options.out && strcmp(options.out, "none") == 0;
-    if (options.out)
-      snprintf(path, sizeof path, "%s", options.out);
-    else
-      em_recorder_default_path(scene, path, sizeof path);
-    if (!options.out && !options.quiet) fprintf(stderr, "writing %s\n", path);
-    code = run(scene, &options, none ? NULL : path, command);
-  }
+  if (code < 0) code = em_mill_read(&scene, &options);
+  if (code < 0) code = run_scene(scene, &options, command);
   free(command);
   em_scene_free(scene);
   free(options.overrides);

@@ -39,7 +39,7 @@ expect 2 "exists already" "an existing file is not replaced" "$mill" run "${smal
 check "and is untouched" cmp "$work/run.h5" "$work/copy.h5"
 expect 0 "" "resuming a finished run does nothing" "$mill" run "${small[@]}" -o "$work/run.h5" -q --resume
 check "and leaves it as it is" cmp "$work/run.h5" "$work/copy.h5"
-expect 2 "another scene" "resuming with another scene" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" --resume
+expect 2 '"seed = 1;" there, "seed = 9;" now' "resuming with another scene" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" --resume
 expect 0 "" "force replaces" "$mill" run "${small[@]}" seed=9 -o "$work/run.h5" -q --force
 check "the default name comes from the scene" bash -c "
   cd '$work' && '$mill' run '$PWD/$gas' duration=0.001 2>said && grep -q 'writing ideal-gas.h5' said &&
@@ -201,6 +201,18 @@ expect 0 "" "it goes on from its last frame, blades too" \
 check "its scene is printed" bash -c "'$mill' check ${second[*]} >'$work/second.cfg'"
 check "and reads back the same" \
   bash -c "'$mill' check '$work/second.cfg' | cmp - '$work/second.cfg'"
+mkdir "$work/scenes"
+cp geometries/simoloyer-2l.cfg "$work/scenes/mill.cfg"
+mv "$work/first.h5" "$work/scenes"
+near=(scenes/mill.cfg record.frames=100.0 balls.start=run balls.from=first.h5)
+check "a run beside the scene, as seen from elsewhere" bash -c "
+  cd '$work' && '$mill' check ${near[*]} >scenes/whole.cfg &&
+  '$mill' check scenes/whole.cfg | cmp - scenes/whole.cfg"
+check "goes on without that run" bash -c "
+  cd '$work' && '$mill' run ${near[*]} duration=0.002 -o third.h5 -q &&
+  '$mill' run ${near[*]} duration=0.005 -o whole3.h5 -q && rm scenes/first.h5 &&
+  '$mill' run ${near[*]} duration=0.005 -o third.h5 -q --resume &&
+  h5diff --exclude-path /eventmill/sessions --exclude-path /eventmill/checkpoint/engine third.h5 whole3.h5"
 
 # ---------------------------------------------------------------- damaged files
 head -c 30000 "$work/whole.h5" >"$work/short.h5"

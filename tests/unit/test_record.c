@@ -260,6 +260,7 @@ static void other_scenes_and_existing_files_are_refused(void **state) {
   struct em_error err = {0};
   struct em_scene *other = digest_scene(SMALL_MILL, 1, &override);
   assert_int_equal(record(other, path, true, NULL, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "\"count = 150;\" there, \"count = 149;\" now"));
   assert_int_equal(record(other, path, false, NULL, &err), EM_INPUT);
   em_scene_free(other);
   other = digest_scene(SMALL_MILL, 1, &shorter);
