@@ -66,13 +66,21 @@ static int line_numbers(const char *line, double *x) {
   }
 }
 
+/* The names of columns: they begin with a letter, and no number (as nan) stands there. */
+static bool is_heading(const char *line) {
+  const char *first = line + strspn(line, "\" \t");
+  char *end;
+  strtod(first, &end);
+  return isalpha((unsigned char)*first) && end == first;
+}
+
 static bool file_row(struct em_scene_report *report, const char *path, int number, const char *line,
                      struct rows *rows) {
   double x[9] = {0};
   int n = line_numbers(line, x);
   if (n == 0) return true;
   /* The first line of a CSV file may hold the names of its columns. */
-  if (n == -1 && number == 1 && isalpha((unsigned char)line[strspn(line, "\" \t")])) return true;
+  if (n == -1 && number == 1 && is_heading(line)) return true;
   if (n != 6 && n != 9) {
     em_scene_report_line(report, path, number, "table: expected %s", expected_row);
     return true;

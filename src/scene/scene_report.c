@@ -69,6 +69,8 @@ void em_scene_report_value(const config_setting_t *setting, size_t size, char *t
     break;
   case CONFIG_TYPE_FLOAT:
     snprintf(text, size, "%.10g", config_setting_get_float(setting));
+    /* A real without a point would look like the integer that may be expected. */
+    if (!strpbrk(text, ".en")) snprintf(text + strlen(text), size - strlen(text), ".0");
     break;
   case CONFIG_TYPE_STRING:
     snprintf(text, size, "\"%.60s\"", config_setting_get_string(setting));

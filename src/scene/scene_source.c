@@ -72,12 +72,18 @@ static enum em_status add_piece(struct cursor *c) {
   return EM_OK;
 }
 
-/* Length of the comment that begins here, without its line end; 0: none. */
-static size_t comment_length(const char *at) {
-  if (at[0] == '#' || (at[0] == '/' && at[1] == '/')) return strcspn(at, "\n");
-  if (at[0] != '/' || at[1] != '*') return 0;
-  const char *end = strstr(at + 2, "*/");
-  return end ? (size_t)(end - at) + 2 : strlen(at);
+static bool begins_comment(const char *at) {
+  return at[0] == '#' || (at[0] == '/' && (at[1] == '/' || at[1] == '*'));
+}
+
+/* Copies a comment, one of a line without its end. */
+static enum em_status pass_comment(struct cursor *c) {
+  if (c->at[0] == '#' || c->at[1] == '/') return pass(c, strcspn(c->at, "\n"));
+  const char *end = strstr(c->at + 2, "*/");
+  if (!end)
+    return em_error_set(c->err, EM_INPUT, c->file, c->line,
+                        "the comment that begins here has no end, expected */");
+  return pass(c, (size_t)(end - c->at) + 2);
 }
 
 /* Is the value that follows the name of a file? */
@@ -208,9 +214,8 @@ static enum em_status copy_file(struct cursor *c) {
   const char *start = c->at;
   enum em_status status = add_piece(c);
   while (status == EM_OK && *c->at) {
-    size_t n = comment_length(c->at);
-    if (n > 0)
-      status = pass(c, n);
+    if (begins_comment(c->at))
+      status = pass_comment(c);
     else if (*c->at == '"')
       status = pass_string(c);
     else if (strchr("[](){}", *c->at))
@@ -220,7 +225,7 @@ static enum em_status copy_file(struct cursor *c) {
     else if (isdigit((unsigned char)*c->at))
       status = pass_number(c);
     else if (isalpha((unsigned char)*c->at) || *c->at == '*' || *c->at == '.') {
-      n = 1;
+      size_t n = 1;
       while (is_word(c->at[n]) || (*c->at == '.' && isdigit((unsigned char)c->at[n])))
         ++n;
       c->word = c->at;
@@ -291,6 +296,9 @@ static enum em_status slurp(char **text, FILE *file, const char *path, struct em
     status = em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", strerror(errno));
   else if (strlen(all) != length)
     status = em_error_set(err, EM_INPUT, path, 0, "holds a zero byte, expected text");
+  static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8, as some editors put it */
+  if (status == EM_OK && strncmp(all, mark, strlen(mark)) == 0)
+    memmove(all, all + strlen(mark), length - strlen(mark) + 1);
   if (status == EM_OK)
     *text = all;
   else

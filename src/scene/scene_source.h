@@ -34,8 +34,8 @@ enum em_status em_scene_source_join(struct em_scene_source *source, const char *
 enum em_status em_scene_source_join_whole(struct em_scene_source *source, const char *text,
                                           const char *name, struct em_error *err);
 
-/* The content of a regular file, to be freed by the caller. Errors: EM_FILE, EM_MEMORY, EM_INPUT
- * (it holds a zero byte). */
+/* The content of a regular file without UTF-8's byte order mark, to be freed by the caller. Errors:
+ * EM_FILE, EM_MEMORY, EM_INPUT (it holds a zero byte). */
 enum em_status em_scene_source_load(char **text, const char *path, struct em_error *err);
 
 /* `path` as seen from the directory of the file `base`, to be freed by the caller; NULL when memory

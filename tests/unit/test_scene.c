@@ -179,6 +179,19 @@ static void includes_and_tables_beside_the_scene(void **state) {
   assert_true(s->species[0].velocity[1].z == -2.5);
   em_scene_free(s);
 
+  /* Editors may mark a text as UTF-8. */
+  write_file(part, "\xEF\xBB\xBF# a vessel\n" DRUM "\n");
+  write_file(rows, "\xEF\xBB\xBF"
+                   "0,0.05,0,1,0,0\n");
+  assert_int_equal(em_scene_read(&s, scene, 0, NULL, &err), EM_OK);
+  assert_int_equal(s->species[0].count, 1);
+  em_scene_free(s);
+
+  /* What is read as a number is no name of a column. */
+  write_file(rows, "nan 0.05 0.05 0 0 0\n0 0.05 0 1 0 0\n");
+  assert_int_equal(em_scene_read(&s, scene, 0, NULL, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "rows.csv:1: error: table: expected 6 or 9 numbers"));
+
   /* Faults are placed in the file in which they stand. */
   write_file(part, "# a vessel\n\nchamber = { diameter = 0.146; length = -1; };\n");
   write_file(rows, "0,0.05,0,1,0,0\n0,0.05,0\n");
