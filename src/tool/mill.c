@@ -46,6 +46,13 @@ static int dispatch(int argc, char **argv) {
   return EM_MILL_USAGE;
 }
 
+/* What was printed must have arrived. */
+static int finish(int code) {
+  if (code != EM_MILL_DONE || (!fflush(stdout) && !ferror(stdout))) return code;
+  fprintf(stderr, "mill: error: standard output cannot be written\n");
+  return EM_MILL_FAILED;
+}
+
 int main(int argc, char **argv) {
   gsl_set_error_handler_off(); /* statuses are checked where they are returned */
   if (argc < 2) {
@@ -54,11 +61,11 @@ int main(int argc, char **argv) {
   }
   if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
     print_help(stdout);
-    return EM_MILL_DONE;
+    return finish(EM_MILL_DONE);
   }
   if (strcmp(argv[1], "--version") == 0) {
     print_version();
-    return EM_MILL_DONE;
+    return finish(EM_MILL_DONE);
   }
-  return dispatch(argc - 1, argv + 1);
+  return finish(dispatch(argc - 1, argv + 1));
 }

@@ -57,6 +57,8 @@ static const struct option known[] = {
     {NULL, 0, NULL, 0},
 };
 
+static const char letters[] = ":t:s:n:f:k:c:o:jqh";
+
 struct options {
   struct em_mill_options scene;
   double time, steady, rounds, flights;
@@ -103,7 +105,7 @@ static int take(struct options *o, int letter, char **argv) {
   case ':':
     return em_mill_usage(&help, "a value is missing after", argv[optind - 1]);
   default:
-    return em_mill_usage(&help, "unknown option", argv[optind - 1]);
+    return em_mill_unknown(&help, letters, letter, NULL, argv[optind - 1]);
   }
 }
 
@@ -111,7 +113,7 @@ static int read_options(struct options *o, int argc, char **argv) {
   *o = (struct options){.time = NAN, .steady = NAN, .rounds = 4.0, .flights = 1e5};
   opterr = 0;
   optind = 1;
-  for (int letter; (letter = getopt_long(argc, argv, ":t:s:n:f:k:c:o:jqh", known, NULL)) != -1;) {
+  for (int letter; (letter = getopt_long(argc, argv, letters, known, NULL)) != -1;) {
     const int code = take(o, letter, argv);
     if (code >= 0) return code;
   }

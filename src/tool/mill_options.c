@@ -68,13 +68,29 @@ int em_mill_words(struct em_mill_options *options, const struct em_mill_help *he
   return -1;
 }
 
+int em_mill_unknown(const struct em_mill_help *help, const char *letters, int letter,
+                    const char *name, const char *word) {
+  char text[64];
+  const int single = letter == '?' ? optopt : letter;
+  if (letter == '?' && single && strchr(letters, single))
+    return em_mill_usage(help, "no value belongs to", word);
+  if (!name && !single) return em_mill_usage(help, "unknown option", word);
+  if (name)
+    snprintf(text, sizeof text, "--%s", name);
+  else
+    snprintf(text, sizeof text, "-%c", single);
+  return em_mill_usage(help, "unknown option", text);
+}
+
 int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
                     char **argv) {
+  static const char letters[] = ":o:u:rfqjh";
   memset(options, 0, sizeof *options);
   opterr = 0;
   optind = 1;
   for (;;) {
-    const int letter = getopt_long(argc, argv, ":o:u:rfqjh", known, NULL);
+    int index = -1;
+    const int letter = getopt_long(argc, argv, letters, known, &index);
     if (letter == -1) break;
     if (letter == 'h') {
       fputs(help->text, stdout);
@@ -82,7 +98,8 @@ int em_mill_options(struct em_mill_options *options, const struct em_mill_help *
     }
     if (letter == ':') return em_mill_usage(help, "a value is missing after", argv[optind - 1]);
     if (letter == '?' || !strchr(help->takes, letter))
-      return em_mill_usage(help, "unknown option", argv[optind - 1]);
+      return em_mill_unknown(help, letters, letter, index >= 0 ? known[index].name : NULL,
+                             argv[optind - 1]);
     set(options, letter);
   }
   return em_mill_words(options, help, argc - optind, argv + optind);

@@ -100,6 +100,10 @@ static enum em_status check(const struct em_run_file *run, const struct format *
   return EM_OK;
 }
 
+/* Bytes that names of frames may have more than the output's: a number and another ending. */
+enum { MORE = 32 };
+
+/* Beside the run, whose name is shorter than EM_SCENE_PATH, or it would not have been opened. */
 static void default_path(char *path, size_t size, const char *run, const char *ending) {
   const size_t length = strlen(run);
   const bool h5 = length > 3 && strcmp(run + length - 3, ".h5") == 0;
@@ -109,9 +113,12 @@ static void default_path(char *path, size_t size, const char *run, const char *e
 static int run_with(const struct em_run_file *run, const struct format *format,
                     const struct em_millpost_options *o) {
   struct em_error err = {.code = EM_OK};
-  char path[EM_SCENE_PATH];
+  char path[EM_SCENE_PATH + MORE];
   struct em_export job = {.run = run, .out = o->out ? o->out : path};
   default_path(path, sizeof path, o->run[0], format->ending);
+  if (strlen(job.out) >= EM_SCENE_PATH - MORE)
+    return em_millpost_usage("export", "'%s': the path is too long, expected at most %d bytes",
+                             job.out, EM_SCENE_PATH - MORE - 1);
   job.from = isnan(o->from) ? 0.0 : o->from;
   job.to = isnan(o->to) ? INFINITY : o->to;
   size_t *frame = malloc((em_run_file_frame_count(run) + 1) * sizeof *frame);

@@ -113,7 +113,12 @@ static int read_options(void *wish, const struct em_millpost_line *line,
   opterr = 0;
   optind = 0; /* glibc: start afresh, even after another command line */
   for (int c; (c = getopt_long(argc, argv, ":hqo:", list, NULL)) != -1;) {
-    const char *asked = optind > 0 ? argv[optind - 1] : "";
+    /* A single letter may stand among others, or have a value after it. */
+    const int letter = c == '?' ? optopt : c;
+    const char single[] = {'-', (char)letter, '\0'};
+    const bool is_single =
+        c == 'o' || (c == '?' && letter && letter < FIRST && !strchr("hq", letter));
+    const char *asked = is_single ? single : optind > 0 ? argv[optind - 1] : "";
     if (c == 'h') {
       print_help(line, help);
       return EM_MILLPOST_DONE;

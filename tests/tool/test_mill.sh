@@ -14,6 +14,15 @@ expect 2 "Usage" "no command" "$mill"
 expect 2 "unknown command 'fly'" "unknown command" "$mill" fly
 expect 2 "no scene given" "no scene" "$mill" run
 expect 2 "unknown option '--fast'" "unknown option" "$mill" run $gas --fast
+expect 2 "unknown option '-x'" "unknown letter among others" "$mill" run --json -xq $gas
+expect 2 "unknown option '-o'" "an option of another command" "$mill" check $gas -o x
+expect 2 "unknown option '--output'" "the same in full" "$mill" check $gas --output x
+expect 2 "no value belongs to '--force=3'" "a value too many" "$mill" run $gas --force=3
+expect 2 "unknown option '-x'" "mill cost: unknown letter among others" "$mill" cost $gas -xq
+expect 2 "unknown option '-x'" "millpost: unknown letter among others" "$post" info -xq run.h5
+expect 2 "unknown option '-o'" "millpost: an option of another command" "$post" info run.h5 -o x
+expect 2 "unknown option '--fast'" "millpost: unknown option" "$post" info run.h5 --fast
+expect 2 "--until-precision: error: 'foo'" "no precision" "$mill" run $gas -o none --until-precision foo
 expect 2 "missing after '-o'" "option without its value" "$mill" run $gas -o
 expect 2 "expected KEY=VALUE, found 'x'" "a second scene" "$mill" run $gas x
 expect 2 "nothere.cfg" "a scene that is not there" "$mill" run nothere.cfg
@@ -175,6 +184,15 @@ check "another name of the old file keeps it" cmp "$work/kept.h5" "$work/copy.h5
 check "nothing is left over" test -z "$(find "$work" -name '*.h5.*')"
 
 # ---------------------------------------------------------------- disks
+expect 1 "standard output cannot be written" "a summary that nobody gets" \
+  bash -c "'$mill' run ${small[*]} -o none --json -q >/dev/full"
+long_name=$(printf 'a%.0s' $(seq 200))
+deep=$work/$long_name/$long_name/$long_name/$long_name/$long_name
+mkdir -p "$deep"
+expect 2 "the path is too long" "a path that is too long" "$mill" run "${small[@]}" -o "$deep/run.h5" -q
+expect 2 "the path is too long" "frames with names that are too long" \
+  "$post" export "$work/run.h5" --to vtk -o "$deep/a.pvd"
+check "writes nothing" bash -c "[ -z \"\$(find '$work/$long_name' -type f)\" ]"
 expect 2 "No such file or directory" "a folder that is not there" "$mill" run "${small[@]}" -o "$work/no/a.h5" -q
 expect 2 "not a plain file" "a device" "$mill" run "${small[@]}" -o /dev/full -q --force
 expect 2 "cannot be written" "a place where nothing can be made" "$mill" run "${small[@]}" -o /proc/a.h5 -q
