@@ -357,17 +357,21 @@ static const struct em_roots levels[EM_ACCURACY_COUNT] = {
     [EM_ACCURACY_REFERENCE] = {.blade_step = 0.1, .polish = EM_POLISH_QUAD},
 };
 
+const void *em_scene_fill_level(enum em_accuracy accuracy, const struct em_scene_entry *entry) {
+  const size_t first = offsetof(struct em_engine, roots);
+  const bool is_knob = entry->offset >= first && entry->offset < first + sizeof levels[0];
+  return is_knob ? (const char *)&levels[accuracy] + (entry->offset - first) : NULL;
+}
+
 /* Entries that the scene does not give follow from its level of accuracy. */
 static void fill_accuracy(const struct em_scene_report *report, struct em_engine *engine) {
   const config_setting_t *group = config_lookup(report->tree, "engine");
   const bool is_group = group && config_setting_is_group(group);
-  const size_t first = offsetof(struct em_engine, roots);
   for (size_t k = 0; k < em_scene_table_engine.count; ++k) {
     const struct em_scene_entry *entry = &em_scene_table_engine.entry[k];
-    if (entry->offset < first || entry->offset >= first + sizeof engine->roots) continue;
-    if (is_group && config_setting_get_member(group, entry->name)) continue;
-    memcpy((char *)engine + entry->offset,
-           (const char *)&levels[engine->accuracy] + (entry->offset - first), entry->size);
+    const void *value = em_scene_fill_level(engine->accuracy, entry);
+    if (!value || (is_group && config_setting_get_member(group, entry->name))) continue;
+    memcpy((char *)engine + entry->offset, value, entry->size);
   }
 }
 

@@ -29,6 +29,10 @@ void em_scene_fill_mismatch(struct em_scene_report *report, const config_setting
 void em_scene_fill_missing(struct em_scene_report *report, const config_setting_t *group,
                            const struct em_scene_table *table, const char *name);
 
+/* Where a level of accuracy keeps its value of an entry of `engine`; NULL: no level sets this
+ * entry. */
+const void *em_scene_fill_level(enum em_accuracy accuracy, const struct em_scene_entry *entry);
+
 /* The parts of a scene that need more than their table. */
 void em_scene_fill_contacts(struct em_scene_report *report, struct em_scene *scene);
 void em_scene_fill_rotors(struct em_scene_report *report, struct em_scene *scene);

@@ -284,6 +284,20 @@ static void put_group(FILE *out, const struct em_scene_table *table, const void 
   fputs("};\n", out);
 }
 
+/* Entries that are what their level of accuracy says are comments: another level shall set them. */
+static void put_engine(FILE *out, const struct em_engine *engine) {
+  fputs("engine = {\n", out);
+  for (size_t k = 0; k < em_scene_table_engine.count; ++k) {
+    const struct em_scene_entry *entry = &em_scene_table_engine.entry[k];
+    const void *level = em_scene_fill_level(engine->accuracy, entry);
+    const bool follows =
+        level && memcmp(level, (const char *)engine + entry->offset, entry->size) == 0;
+    if (follows) fputs("  # ", out);
+    put_line(out, follows ? 0 : 1, entry, engine);
+  }
+  fputs("};\n", out);
+}
+
 void em_scene_print_all(const struct em_scene *scene, FILE *out) {
   put_table(out, 0, &em_scene_table_top, scene, NULL);
   fputs("gravity = ", out);
@@ -293,7 +307,7 @@ void em_scene_print_all(const struct em_scene *scene, FILE *out) {
   put_parts(out, "rotor", scene->rotor_count, scene, put_rotor_part);
   put_parts(out, "balls", scene->species_count, scene, put_species_part);
   put_contacts(out, scene);
-  put_group(out, &em_scene_table_engine, &scene->engine);
+  put_engine(out, &scene->engine);
   put_group(out, &em_scene_table_remedy, &scene->remedy);
   put_group(out, &em_scene_table_record, &scene->record);
 }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -60,6 +61,22 @@ static void levels_set_what_the_scene_does_not(void **state) {
   em_scene_free(s);
 }
 
+/* A scene printed in full says what its level means, and still takes another. */
+static void printed_scenes_take_another_level(void **state) {
+  (void)state;
+  static const char *const other[] = {"engine.accuracy=reference"};
+  struct em_scene *s = scene_with("engine.tolerance=1e-4"), *again = NULL;
+  struct em_error err = {0};
+  char *text = em_scene_text(s);
+  assert_non_null(strstr(text, "# polish = \"none\";"));
+  assert_int_equal(em_scene_parse(&again, text, "again.cfg", 1, other, &err), EM_OK);
+  assert_int_equal(again->engine.roots.polish, EM_POLISH_QUAD);
+  assert_true(again->engine.roots.tolerance == 1e-4);
+  em_scene_free(again);
+  free(text);
+  em_scene_free(s);
+}
+
 /* Early by at most the tolerance, never late. */
 static void tolerance_holds(void **state) {
   (void)state;
@@ -102,6 +119,7 @@ int main(void) {
       cmocka_unit_test(tolerance_holds),
       cmocka_unit_test(solvers_agree),
       cmocka_unit_test(levels_set_what_the_scene_does_not),
+      cmocka_unit_test(printed_scenes_take_another_level),
   };
   srand48(7);
   return cmocka_run_group_tests(tests, NULL, NULL);
