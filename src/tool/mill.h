@@ -2,6 +2,7 @@
 #ifndef EVENTMILL_MILL_H
 #define EVENTMILL_MILL_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -59,6 +60,10 @@ int em_mill_unknown(const struct em_mill_help *help, const char *letters, int le
 int em_mill_read(struct em_scene **scene, const struct em_mill_options *options);
 int em_mill_turn(struct em_scene *scene);
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
+
+/* From now on the first SIGINT or SIGTERM asks for an end by what this points to; the second has
+ * its usual effect. A file that grows beyond its limit shall be an error, not a signal. */
+const volatile sig_atomic_t *em_mill_signals(void);
 
 /* Prints the error's text to stderr. */
 void em_mill_complain(const struct em_error *err);

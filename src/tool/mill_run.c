@@ -1,6 +1,5 @@
 /* mill run: runs a scene and writes a run file. */
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,22 +44,6 @@ static const struct em_mill_help help = {
         "  mill run geometries/simoloyer-2l.cfg duration=60 --until-precision 'rate(vn>3)=1%'\n"
         "  mill run geometries/ideal-gas.cfg -o none --json | jq .collisions_per_second\n",
 };
-
-static volatile sig_atomic_t stop;
-
-static void on_signal(int number) {
-  stop = number;
-}
-
-/* The first signal asks for an end, the second one has its usual effect. A file that grows beyond
- * its limit shall be an error, not a signal. */
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  signal(SIGXFSZ, SIG_IGN);
-}
 
 /* 97 k, 1.04 M. */
 static void per_second(double rate, char *text, size_t size) {
@@ -187,7 +170,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
       .resume = options->resume,
       .force = options->force,
       .command = command,
-      .stop = &stop,
+      .stop = em_mill_signals(),
       .progress = options->quiet || !progress ? NULL : show,
       .self = progress,
       .target_count = precision.count,
@@ -197,7 +180,6 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
   struct em_summary summary = {0};
   struct em_error err = {0};
   bool created = false, begun = false;
-  catch_signals();
   const enum em_status status = em_recorder_run(scene, &record, &summary, &created, &err);
   begun = summary.wall_time > 0.0;
   em_progress_end(progress);

@@ -1,0 +1,19 @@
+/* Signals to commands that take long. */
+#include <stddef.h>
+
+#include "tool/mill.h"
+
+static volatile sig_atomic_t stop;
+
+static void on_signal(int number) {
+  stop = number;
+}
+
+const volatile sig_atomic_t *em_mill_signals(void) {
+  struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  signal(SIGXFSZ, SIG_IGN);
+  return &stop;
+}
