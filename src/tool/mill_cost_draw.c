@@ -6,15 +6,31 @@
 #include "eventmill/plot.h"
 #include "tool/mill_cost.h"
 
+enum picture { ACCURACY, EFFECTS, RECORDING, STATISTICS };
+static const char *const pictures[EM_COST_PICTURES] = {"accuracy", "effects", "recording",
+                                                       "statistics"};
+
+void em_mill_cost_draw_path(const char *prefix, int picture, char path[EM_COST_PICTURE_PATH]) {
+  snprintf(path, EM_COST_PICTURE_PATH, "%s-%s.png", prefix, pictures[picture]);
+}
+
 static enum em_status draw(const struct em_cost *cost, struct em_plot *plot, const char *prefix,
-                           const char *what, struct em_error *err) {
-  char path[EM_SCENE_PATH + 32], subtitle[256];
-  snprintf(path, sizeof path, "%s-%s.png", prefix, what);
+                           enum picture picture, struct em_error *err) {
+  char path[EM_COST_PICTURE_PATH], subtitle[256];
+  em_mill_cost_draw_path(prefix, picture, path);
   em_plot_subtitle(cost->scene, subtitle, sizeof subtitle);
   plot->subtitle = subtitle;
   const enum em_status status = em_plot_draw(plot, path, err);
   plot->subtitle = NULL;
   return status;
+}
+
+/* A picture that has nothing to show is not drawn. */
+static enum em_status leave_out(const char *prefix, enum picture picture, const char *why) {
+  char path[EM_COST_PICTURE_PATH];
+  em_mill_cost_draw_path(prefix, picture, path);
+  fprintf(stderr, "%s: not drawn, %s\n", path, why);
+  return EM_OK;
 }
 
 /* Variants whose names begin with the same word are a family: one colour. */
@@ -23,7 +39,10 @@ static bool is_family(const char *a, const char *b) {
   return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
 }
 
-/* Where errors of 0 lie. */
+/* The colour of ranges, on bars of others. */
+enum { DARK = 8 };
+
+/* Where errors of 0 lie, on the axis of logarithms. */
 static const double LOWEST = 1e-22;
 
 /* The points of the diagram, family after family. */
@@ -36,11 +55,11 @@ struct cloud {
   struct em_plot_series series[EM_COST_VARIANTS];
 };
 
-/* Its name, and whether it loses or invents contacts. */
+/* Its name, whether it has no error at all, and whether it loses or invents contacts. */
 static void describe(char *text, size_t size, const struct em_cost_result *r) {
   const struct em_cost_flights *f = &r->flights;
   const double scale = 1e9 / (double)f->flights;
-  int n = snprintf(text, size, "%s", r->variant.name);
+  int n = snprintf(text, size, f->rms > 0.0 ? "%s" : "%s: error 0", r->variant.name);
   if (f->missed)
     n += snprintf(text + n, size - (size_t)n, ", misses %.0e", scale * (double)f->missed);
   if (f->invented)
@@ -65,7 +84,8 @@ static void gather_points(struct cloud *c, const struct em_cost *cost) {
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
     const size_t n = c->count;
-    if (r->variant.group != EM_COST_ACCURACY || r->failed || !r->flights.contacts) continue;
+    if (r->variant.group != EM_COST_ACCURACY || !r->measured || r->failed || !r->flights.contacts)
+      continue;
     if (!isfinite(r->flights.rms)) continue;
     c->x[n] = r->time;
     c->y[n] = fmax(r->flights.rms, LOWEST);
@@ -89,7 +109,7 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
                                     struct em_error *err) {
   struct cloud c = {0};
   gather_points(&c, cost);
-  if (c.count == 0) return EM_OK;
+  if (c.count == 0) return leave_out(prefix, ACCURACY, "no contact with drum or blades was judged");
   double low = 1.0, high = 1.0;
   for (size_t k = 0; k < c.count; k++) {
     low = fmin(low, c.x[k]);
@@ -108,42 +128,62 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
                          .y_high = 0.1,
                          .series_count = c.families,
                          .series = c.series};
-  return draw(cost, &plot, prefix, "accuracy", err);
+  return draw(cost, &plot, prefix, ACCURACY, err);
 }
 
-/* Bars with numbers, whose names stand in the legend. */
-static enum em_status draw_effects(const struct em_cost *cost, const char *prefix,
-                                   struct em_error *err) {
-  struct em_plot_series series[EM_COST_VARIANTS];
-  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
+/* Bars with numbers, whose names stand in the legend; on each the range of its turns. */
+struct bars {
+  size_t count;
+  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS], middle[EM_COST_VARIANTS], half[EM_COST_VARIANTS];
+  double low, high; /* of all */
   char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
-  const char *names[EM_COST_VARIANTS + 8];
-  double low = 0.0, high = 0.0;
-  size_t n = 0;
+  const char *numbers[EM_COST_VARIANTS];
+  struct em_plot_series series[EM_COST_VARIANTS + 1];
+};
+
+static void gather_bars(struct bars *b, const struct em_cost *cost, enum em_cost_group group) {
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group == EM_COST_ACCURACY || r->failed || !isfinite(r->time)) continue;
-    x[n] = (double)n;
-    y[n] = 100.0 * (r->time - 1.0);
-    low = fmin(low, y[n]);
-    high = fmax(high, y[n]);
-    snprintf(number[n], sizeof number[n], "%zu", n + 1);
-    snprintf(label[n], sizeof label[n], "%zu  %s", n + 1, r->variant.name);
-    series[n] = (struct em_plot_series){
-        .name = label[n], .style = EM_PLOT_BARS, .count = 1, .x = &x[n], .y = &y[n]};
-    names[n] = number[n];
-    n++;
+    const size_t n = b->count;
+    if (r->variant.group != group || !r->measured || r->failed || !isfinite(r->time)) continue;
+    b->x[n] = (double)n;
+    b->y[n] = 100.0 * (r->time - 1.0);
+    b->middle[n] = 100.0 * (0.5 * (r->time_low + r->time_high) - 1.0);
+    b->half[n] = 50.0 * (r->time_high - r->time_low);
+    b->low = fmin(b->low, b->middle[n] - b->half[n]);
+    b->high = fmax(b->high, b->middle[n] + b->half[n]);
+    snprintf(b->number[n], sizeof b->number[n], "%zu", n + 1);
+    snprintf(b->label[n], sizeof b->label[n], "%zu  %s", n + 1, r->variant.name);
+    b->series[n] = (struct em_plot_series){
+        .name = b->label[n], .style = EM_PLOT_BARS, .count = 1, .x = &b->x[n], .y = &b->y[n]};
+    b->numbers[n] = b->number[n];
+    b->count++;
   }
-  struct em_plot plot = {.title = "Effects against time",
-                         .y_label = "computing time against the scene as it is  [%]",
-                         .y_low = 1.1 * low - 1.0, /* room for the legend above the bars */
-                         .y_high = high + 1.2 * (high - low) + 5.0,
-                         .series_count = n,
-                         .series = series,
-                         .category = names,
-                         .category_count = n,
+  b->series[b->count] = (struct em_plot_series){.name = "turns, one by one",
+                                                .style = EM_PLOT_POINTS,
+                                                .count = b->count,
+                                                .x = b->x,
+                                                .y = b->middle,
+                                                .error = b->half,
+                                                .colour = DARK};
+}
+
+static enum em_status draw_bars(const struct em_cost *cost, const char *prefix,
+                                enum picture picture, enum em_cost_group group, const char *title,
+                                const char *y_label, struct em_error *err) {
+  struct bars b = {0};
+  gather_bars(&b, cost, group);
+  if (b.count == 0) return leave_out(prefix, picture, "none of its variants is measured");
+  struct em_plot plot = {.title = title,
+                         .y_label = y_label,
+                         .y_low = 1.1 * b.low - 1.0, /* room for the legend above the bars */
+                         .y_high = b.high + 1.2 * (b.high - b.low) + 5.0,
+                         .series_count = b.count + 1,
+                         .series = b.series,
+                         .category = b.numbers,
+                         .category_count = b.count,
                          .width = 1400};
-  return n ? draw(cost, &plot, prefix, "effects", err) : EM_OK;
+  return draw(cost, &plot, prefix, picture, err);
 }
 
 static enum em_status draw_statistics(const struct em_cost *cost, const char *prefix,
@@ -182,13 +222,19 @@ static enum em_status draw_statistics(const struct em_cost *cost, const char *pr
                          .log_y = true,
                          .series_count = used,
                          .series = series};
-  return used && n > 1 ? draw(cost, &plot, prefix, "statistics", err) : EM_OK;
+  if (used == 0 || n < 2) return leave_out(prefix, STATISTICS, "no figure varies");
+  return draw(cost, &plot, prefix, STATISTICS, err);
 }
 
 enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
                                  struct em_error *err) {
   enum em_status status = draw_accuracy(cost, prefix, err);
-  if (!status) status = draw_effects(cost, prefix, err);
+  if (!status)
+    status = draw_bars(cost, prefix, EFFECTS, EM_COST_EFFECT, "Effects against time",
+                       "computing time against the scene as it is  [%]", err);
+  if (!status)
+    status = draw_bars(cost, prefix, RECORDING, EM_COST_RECORDING, "Recording against time",
+                       "computing time against a run that writes nothing but its end  [%]", err);
   if (!status) status = draw_statistics(cost, prefix, err);
   return status;
 }

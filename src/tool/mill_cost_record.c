@@ -21,36 +21,35 @@ static double clock_now(void) {
 /* A scene that records nothing but what the variant (NULL: none) asks for. */
 static enum em_status read_scene(const struct em_cost *cost, const struct em_cost_variant *variant,
                                  double time, struct em_scene **scene, struct em_error *err) {
-  static const char *const bare[] = {"record.frames=0.0", "record.observables=0.0",
-                                     "record.histograms=0.0", "record.collisions=false",
-                                     "record.checkpoint=1e9"};
-  enum { BARE = sizeof bare / sizeof *bare };
   char duration[64];
-  const char **list = calloc(cost->override_count + BARE + EM_COST_WORDS + 1, sizeof *list);
-  if (!list) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  size_t n = 0;
-  for (size_t k = 0; k < cost->override_count; k++)
-    list[n++] = cost->overrides[k];
-  for (int k = 0; k < BARE; k++)
-    list[n++] = bare[k];
+  const char *word[6 + EM_COST_WORDS] = {"record.frames=0.0",     "record.observables=0.0",
+                                         "record.histograms=0.0", "record.collisions=false",
+                                         "record.checkpoint=1e9", duration};
+  size_t n = 6;
   for (size_t k = 0; variant && k < variant->words; k++)
-    list[n++] = variant->word[k];
+    word[n++] = variant->word[k];
   snprintf(duration, sizeof duration, "duration=%.17g", time);
-  list[n++] = duration;
-  enum em_status status = em_scene_read(scene, cost->path, n, list, err);
-  free(list);
-  return status ? status : em_run_file_turn(*scene, err);
+  return em_mill_cost_scene_with(cost, n, word, scene, err);
+}
+
+/* An empty file, where TMPDIR says. Errors: EM_FILE. */
+static enum em_status make_file(char *path, size_t size, struct em_error *err) {
+  const char *folder = getenv("TMPDIR");
+  const int n = snprintf(path, size, "%s/mill-cost-XXXXXX", folder && *folder ? folder : "/tmp");
+  const int file = n < (int)size ? mkstemp(path) : -1;
+  if (file < 0) return em_error_set(err, EM_FILE, path, 0, "cannot be created");
+  close(file);
+  return EM_OK;
 }
 
 static enum em_status run(const struct em_cost *cost, const struct em_cost_variant *variant,
                           double time, double *spent, struct em_error *err) {
-  char path[] = "/tmp/mill-cost-XXXXXX";
-  const int file = mkstemp(path);
-  if (file < 0) return em_error_set(err, EM_FILE, path, 0, "cannot be created");
-  close(file);
+  char path[EM_SCENE_PATH];
+  enum em_status status = make_file(path, sizeof path, err);
+  if (status) return status;
   struct em_scene *scene = NULL;
-  enum em_status status = read_scene(cost, variant, time, &scene, err);
-  const struct em_recorder_options options = {.path = path, .force = true};
+  status = read_scene(cost, variant, time, &scene, err);
+  const struct em_recorder_options options = {.path = path, .force = true, .stop = cost->stop};
   const double from = clock_now();
   if (!status) status = em_recorder_run(scene, &options, NULL, NULL, err);
   *spent = clock_now() - from;
@@ -70,6 +69,7 @@ enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_re
                                         k % 2 ? cost->time : 0.0, &spent[k], err);
       if (status) return status;
       least[k] = fmin(least[k], spent[k]);
+      em_mill_cost_tell(cost, "whole runs");
     }
     const double ratio =
         (spent[FULL_RUN] - spent[FULL_START]) / (spent[BARE_RUN] - spent[BARE_START]);

@@ -42,6 +42,11 @@ static double share(uint64_t n, uint64_t flights) {
   return flights ? 1e9 * (double)n / (double)flights : NAN;
 }
 
+/* Is this one measured, and of this table? */
+static bool belongs(const struct em_cost_result *r, enum em_cost_group group) {
+  return r->measured && r->variant.group == group;
+}
+
 static void accuracy_table(struct em_report *report, const struct em_cost *cost) {
   em_report_begin(report, "accuracy",
                   "accuracy against time: the scene as it is = 1; figures: shift against it");
@@ -54,7 +59,7 @@ static void accuracy_table(struct em_report *report, const struct em_cost *cost)
   shift_columns(report);
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group != EM_COST_ACCURACY) continue;
+    if (!belongs(r, EM_COST_ACCURACY)) continue;
     const struct em_cost_flights *f = &r->flights;
     time_cells(report, r);
     em_report_number(report, f->contacts ? f->rms : NAN);
@@ -67,15 +72,19 @@ static void accuracy_table(struct em_report *report, const struct em_cost *cost)
 }
 
 static void effects_table(struct em_report *report, const struct em_cost *cost) {
-  em_report_begin(report, "effects", "effects against time: the scene as it is = 1");
+  em_report_begin(report, "effects",
+                  "effects against time: the scene as it is = 1; figures: shift against it");
   time_columns(report);
   shift_columns(report);
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group != EM_COST_EFFECT) continue;
+    if (!belongs(r, EM_COST_EFFECT)) continue;
     time_cells(report, r);
     shift_cells(report, r);
   }
+}
+
+static void recording_table(struct em_report *report, const struct em_cost *cost) {
   em_report_begin(report, "recording",
                   "recording against time: a run that writes nothing but its end = 1");
   em_report_column(report, "variant", "variant", "");
@@ -84,18 +93,56 @@ static void effects_table(struct em_report *report, const struct em_cost *cost) 
   em_report_column(report, "time_high", "to", "");
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    if (r->variant.group != EM_COST_RECORDING) continue;
+    if (!belongs(r, EM_COST_RECORDING)) continue;
     em_report_text(report, "%s", r->variant.name);
-    em_report_number(report, r->time);
-    em_report_number(report, r->time_low);
-    em_report_number(report, r->time_high);
+    em_report_number(report, r->failed ? NAN : r->time);
+    em_report_number(report, r->failed ? NAN : r->time_low);
+    em_report_number(report, r->failed ? NAN : r->time_high);
   }
 }
 
-/* Simulated time (s) for a relative half width: it falls with the root of time. */
-static double time_for(const struct em_cost *cost, int k, double wanted) {
-  const double r = em_mill_cost_width(&cost->figure[k]) / wanted;
-  return em_precision_time(cost->precision, em_precision_blocks(cost->precision)) * r * r;
+/* Fewer independent blocks than this tell no width: the rule of em_steady_find. */
+static const double LEAST_INDEPENDENT = 10.0;
+/* Relative half widths below this are rounding: the figure does not vary. */
+static const double ROUNDING = 1e-12;
+
+/* Simulated time (s) for a half width of 1 %: it falls with the root of time. 0: the figure does
+ * not vary; NAN: this cannot be told. */
+static double time_for_percent(const struct em_cost *cost, int k) {
+  const size_t blocks = em_precision_blocks(cost->precision);
+  const double width = em_mill_cost_width(&cost->figure[k]), r = width / 0.01;
+  if (width <= ROUNDING) return 0.0;
+  if ((double)blocks < LEAST_INDEPENDENT * cost->figure[k].inefficiency) return NAN;
+  return em_precision_time(cost->precision, blocks) * r * r;
+}
+
+static void one_percent_table(struct em_report *report, const struct em_cost *cost) {
+  em_report_begin(report, "one_percent", "one per cent takes");
+  em_report_column(report, "figure", "figure", "");
+  em_report_column(report, "value", "value", "");
+  em_report_column(report, "unit", "", "");
+  em_report_column(report, "inefficiency", "blocks that count as one", "");
+  em_report_column(report, "time", "simulated", "s");
+  em_report_column(report, "cpu", "computing", "s");
+  bool brief = false, exact = false;
+  for (int k = 0; k < EM_PRECISION_COUNT; k++) {
+    if (!isfinite(em_mill_cost_width(&cost->figure[k]))) continue;
+    const double time = time_for_percent(cost, k);
+    em_report_text(report, "%s", em_precision_words((enum em_precision_kind)k));
+    em_report_interval(report, &cost->figure[k]);
+    em_report_text(report, "%s", em_precision_unit((enum em_precision_kind)k));
+    em_report_number(report, cost->figure[k].inefficiency);
+    em_report_number(report, time);
+    em_report_number(report, time * cost->cpu_per_time);
+    brief = brief || isnan(time);
+    exact = exact || time == 0.0;
+  }
+  if (brief)
+    em_report_note(report,
+                   "one per cent: - where fewer than %g of the %zu blocks of time count, which is "
+                   "too few to tell; run longer: --time above %.2g.",
+                   LEAST_INDEPENDENT, em_precision_blocks(cost->precision), cost->time);
+  if (exact) em_report_note(report, "one per cent: 0 s where the figure is exact.");
 }
 
 static void statistics_table(struct em_report *report, const struct em_cost *cost) {
@@ -115,52 +162,50 @@ static void statistics_table(struct em_report *report, const struct em_cost *cos
       em_report_percent(report, em_mill_cost_width(&f));
     }
   }
-  em_report_begin(report, "one_percent", "one per cent takes");
-  em_report_column(report, "figure", "figure", "");
-  em_report_column(report, "value", "value", "");
-  em_report_column(report, "unit", "", "");
-  em_report_column(report, "inefficiency", "blocks that count as one", "");
-  em_report_column(report, "time", "simulated", "s");
-  em_report_column(report, "cpu", "computing", "s");
-  for (int k = 0; k < EM_PRECISION_COUNT; k++) {
-    const double time = time_for(cost, k, 0.01);
-    if (!isfinite(time)) continue;
-    em_report_text(report, "%s", em_precision_words((enum em_precision_kind)k));
-    em_report_interval(report, &cost->figure[k]);
-    em_report_text(report, "%s", em_precision_unit((enum em_precision_kind)k));
-    em_report_number(report, cost->figure[k].inefficiency);
-    em_report_number(report, time);
-    em_report_number(report, time * cost->cpu_per_time);
-  }
+}
+
+static void note_flights(struct em_report *report, const struct em_cost *cost) {
+  if (cost->sampled)
+    em_report_note(report,
+                   "contact times: against 113 bits, over %zu flights of this scene; 0 seen means "
+                   "less than %.3g in 1e9 (95 %%).",
+                   cost->sampled, 3e9 / (double)cost->sampled);
+  else if (cost->flights)
+    em_report_note(report,
+                   "contact times: none judged; the scene has neither drum nor blades, or nothing "
+                   "comes to contact.");
 }
 
 static void notes(struct em_report *report, const struct em_cost *cost) {
-  const uint64_t flights = cost->result[0].flights.flights;
-  if (flights)
-    em_report_note(report,
-                   "contact times: against 113 bits, over %llu flights of this scene; 0 seen means "
-                   "less than %.3g in 1e9 (95 %%).",
-                   (unsigned long long)flights, 3e9 / (double)flights);
+  size_t measured = 0;
+  note_flights(report, cost);
   em_report_note(report,
                  "d: diameter of a ball. time: from the least times in %d turns; from, to: of the "
                  "turns one by one.",
                  cost->rounds);
-  const double time = time_for(cost, EM_PRECISION_RATE, 0.01);
-  if (isfinite(time))
+  const double time = time_for_percent(cost, EM_PRECISION_RATE);
+  if (time > 0.0)
     em_report_note(report,
                    "1 %% on the rate above 3 m/s takes %.2g s simulated, %.2g s of computing.",
                    time, time * cost->cpu_per_time);
   em_report_note(report, "level fast is tolerance 1e-6 d; level reference is polish: 113 bits.");
-  for (size_t k = 0; k < cost->count; k++)
+  if (cost->cut[0])
+    em_report_note(report, "the scene as it is goes on for %.4g s only: %s", cost->long_time,
+                   cost->cut);
+  for (size_t k = 0; k < cost->count; k++) {
+    measured += cost->result[k].measured;
     if (cost->result[k].failed)
       em_report_note(report, "%s: %s", cost->result[k].variant.name, cost->result[k].why);
+  }
+  if (measured < cost->count)
+    em_report_note(report, "interrupted: %zu of %zu variants are measured.", measured, cost->count);
 }
 
 static void facts(struct em_report *report, const struct em_cost *cost) {
   em_report_fact_text(report, "scene", "scene", "%s", cost->path);
   em_report_fact(report, "steady", "steady from", cost->steady, "s");
-  em_report_fact(report, "time", "each run", cost->time, "s");
-  em_report_fact(report, "long_time", "the scene as it is", cost->long_time, "s");
+  em_report_fact(report, "time", "each turn", cost->time, "s");
+  em_report_fact(report, "long_time", "figures over", cost->long_time, "s");
   em_report_fact(report, "cpu_per_time", "computing time", cost->cpu_per_time, "s per simulated s");
   em_report_fact(report, "collisions_per_time", "collisions", cost->collisions_per_time, "/s");
   em_report_fact(report, "energy", "energy error", cost->energy, "relative");
@@ -183,7 +228,9 @@ enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const 
   facts(report, cost);
   accuracy_table(report, cost);
   effects_table(report, cost);
+  recording_table(report, cost);
   statistics_table(report, cost);
+  one_percent_table(report, cost);
   notes(report, cost);
   enum em_status status =
       em_report_print(report, json ? EM_REPORT_JSON : EM_REPORT_TEXT, stdout, err);

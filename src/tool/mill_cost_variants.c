@@ -37,7 +37,8 @@ static void effect(struct em_cost *cost, const char *name, const char *words) {
 static void add_accuracy(struct em_cost *cost, unsigned effects) {
   const struct em_chamber *c = &cost->scene->chamber;
   const bool drum = c->shape == EM_SHAPE_DRUM, rotor = effects & EM_EFFECT_ROTOR;
-  const bool quartic = drum && effects & EM_EFFECT_GRAVITY;
+  const struct em_vec g = cost->scene->gravity;
+  const bool quartic = drum && c->facets == 0 && (g.x != 0.0 || g.z != 0.0);
   accuracy(cost, "level fast", "engine.accuracy=fast");
   accuracy(cost, "level standard", "engine.accuracy=standard");
   accuracy(cost, "level reference", "engine.accuracy=reference");
@@ -110,12 +111,19 @@ static void recording(struct em_cost *cost, const char *name, const char *words)
   add(cost, EM_COST_RECORDING, EM_COST_AS_IS, name, "%s", words);
 }
 
+enum { CHECKPOINTS = 4 };
+
 static void add_recording(struct em_cost *cost) {
   recording(cost, "collision table", "record.collisions=true");
   recording(cost, "frames, 50/s", "record.frames=50.0");
   recording(cost, "observables, 100/s", "record.observables=100.0");
   recording(cost, "histograms, 20/s", "record.histograms=20.0");
-  recording(cost, "checkpoints, every 0.5 s", "record.checkpoint=0.5");
+  /* s between two on the wall, of which a run of this length has several */
+  const double between = fmax(cost->time * cost->cpu_per_time / CHECKPOINTS, 1e-3);
+  char name[64], words[64];
+  snprintf(name, sizeof name, "checkpoints, every %.2g s", between);
+  snprintf(words, sizeof words, "record.checkpoint=%.9e", between);
+  recording(cost, name, words);
 }
 
 void em_mill_cost_variants(struct em_cost *cost) {

@@ -1,4 +1,4 @@
-/* A world on its way from the steady state, with its books. */
+/* A world on its way from a state, with its books. */
 #include "tool/mill_cost_walk.h"
 
 #include <math.h>
@@ -47,10 +47,11 @@ static double work_of(const struct em_world *world) {
   return work;
 }
 
-enum em_status em_mill_cost_walk_begin(struct em_walk *w, const struct em_snapshot *steady,
-                                       const struct em_scene *scene, struct em_error *err) {
-  memset(w, 0, sizeof *w);
-  const enum em_status status = resume(&w->world, steady, scene, err);
+enum em_status em_mill_cost_walk_begin(struct em_walk *w, const struct em_snapshot *from,
+                                       const struct em_scene *scene,
+                                       const volatile sig_atomic_t *stop, struct em_error *err) {
+  *w = (struct em_walk){.stop = stop};
+  const enum em_status status = resume(&w->world, from, scene, err);
   if (status) return status;
   const size_t n = em_world_count(w->world);
   w->balls = em_start_new(n);
@@ -74,30 +75,39 @@ void em_mill_cost_walk_end(struct em_walk *w) {
   free(w->before);
 }
 
+/* From here on the books of the next block are kept. */
+static void open_books(struct em_walk *w) {
+  w->work = work_of(w->world);
+  memcpy(w->before, em_world_tally(w->world)->vn, COUNTS * sizeof *w->before);
+}
+
 /* Books of a block of time that is over. */
 static enum em_status book(struct em_walk *w, double time, struct em_error *err) {
   em_world_state(w->world, w->start + w->done, w->balls);
   for (size_t i = 0; i < w->balls->count; i++)
     w->speeds[i] = em_vec_norm(w->balls->velocity[i]);
-  const double work = work_of(w->world);
+  const double work = work_of(w->world) - w->work;
   const uint64_t *now = &em_world_tally(w->world)->vn[0][0];
   for (size_t k = 0; k < COUNTS; k++)
     w->vn[k] = now[k] - w->before[k];
-  memcpy(w->before, now, COUNTS * sizeof *now);
   if (em_precision_add(w->precision, time, em_sample_median(w->speeds, w->balls->count),
-                       (work - w->work) / time, w->vn, EM_CLASS_COUNT))
+                       work / time, w->vn, EM_CLASS_COUNT))
     return no_memory(err);
-  w->work = work;
   return EM_OK;
 }
 
 enum em_status em_mill_cost_walk_on(struct em_walk *w, double time, bool booked, double *spent,
                                     struct em_error *err) {
   const double from = em_mill_cost_walk_clock();
-  w->done += time;
-  const enum em_status status = em_world_run(w->world, w->start + w->done, NULL, err);
+  enum em_status status = em_world_run(w->world, w->start + w->done + time, w->stop, err);
   *spent = em_mill_cost_walk_clock() - from;
-  return status || !booked ? status : book(w, time, err);
+  if (!status && w->stop && *w->stop) /* the world may have had no event to notice it */
+    status = em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
+  if (status) return status;
+  w->done += time;
+  if (booked) status = book(w, time, err);
+  open_books(w);
+  return status;
 }
 
 double em_mill_cost_walk_energy(struct em_walk *w) {

@@ -3,6 +3,8 @@
 #ifndef EVENTMILL_MILL_COST_WALK_H
 #define EVENTMILL_MILL_COST_WALK_H
 
+#include <signal.h>
+
 #include "eventmill/precision.h"
 #include "eventmill/world.h"
 
@@ -15,16 +17,18 @@ struct em_walk {
   double start, done;    /* s: simulated */
   double work;           /* J, before the block */
   struct em_energy energy;
+  const volatile sig_atomic_t *stop; /* as in em_world_run */
 };
 
-/* Begins at the steady state, in the shape that the scene needs: without spins, with other blades.
+/* Begins at a state, in the shape that the scene needs: without spins, with other blades.
  * em_mill_cost_walk_end after errors too. Errors: those of em_world_resume. */
-enum em_status em_mill_cost_walk_begin(struct em_walk *walk, const struct em_snapshot *steady,
-                                       const struct em_scene *scene, struct em_error *err);
+enum em_status em_mill_cost_walk_begin(struct em_walk *walk, const struct em_snapshot *from,
+                                       const struct em_scene *scene,
+                                       const volatile sig_atomic_t *stop, struct em_error *err);
 void em_mill_cost_walk_end(struct em_walk *walk);
 
 /* Goes on for `time` (s), a block of its figures where `booked`; *spent: s of computing, of the
- * events alone. Errors: those of em_world_run. */
+ * events alone. What comes before the first block is in none. Errors: those of em_world_run. */
 enum em_status em_mill_cost_walk_on(struct em_walk *walk, double time, bool booked, double *spent,
                                     struct em_error *err);
 

@@ -19,7 +19,13 @@ gas=geometries/ideal-gas.cfg mill_scene=geometries/simoloyer-2l.cfg
 expect 0 "" "help" "$mill" cost --help
 expect 2 "no scene given" "no scene" "$mill" cost
 expect 2 "unknown option" "unknown option" "$mill" cost "$gas" --fast
-expect 2 "expected 1 to 64" "rounds out of range" "$mill" cost "$gas" --rounds 0
+expect 2 "from 1 to 64" "rounds out of range" "$mill" cost "$gas" --rounds 0
+expect 2 "whole number" "half a turn" "$mill" cost "$gas" --rounds 2.7
+expect 2 "expected part of one of: level fast, " "no such variant" "$mill" cost "$gas" --only quarz
+expect 2 "nowhere/c.csv: error: cannot be written" "the table has no place" \
+  "$mill" cost "$gas" --csv "$work/nowhere/c.csv"
+expect 2 "nowhere/c-accuracy.png: error: cannot be written" "nor have the pictures" \
+  "$mill" cost "$gas" -o "$work/nowhere/c"
 expect 2 "expected KEY=VALUE" "two scenes" "$mill" cost "$gas" "$gas"
 expect 2 "engine.quartic" "unknown solver" "$mill" check "$gas" engine.quartic=cardano
 expect 2 "at least 3" "two facets" "$mill" check "$gas" chamber.facets=2
@@ -37,8 +43,6 @@ for picture in accuracy effects statistics; do
 done
 above() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a + 0 > b + 0) }'; }
 equal() { [ "$1" = "$2" ]; }
-check "what a digit costs, in a sentence" \
-  grep -q '1 % on the rate above 3 m/s takes [0-9.e+]* s simulated, [0-9.e+]* s of computing' "$work/out"
 check "the scene as it is has no shift" equal "$(cell 'level standard' power)" 0
 check "nor an interval" equal "$(cell 'level standard' power_ci95)" 0
 check "113 bits cost time" above "$(cell 'level reference' time)" 2
@@ -57,11 +61,92 @@ check "JSON" python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); d["
   "$work/json"
 
 expect 0 "" "a few of the variants" "$mill" cost "$gas" balls.count=200 --steady 0.01 --time 0.01 \
-  --only quartic --rounds 1 --json -q
+  --only polish --rounds 1 --json -q
 cp "$work/out" "$work/only"
 check "only these" python3 -c 'import json, sys
 d = json.load(open(sys.argv[1]))
-assert not d["effects"] and all("quartic" in r["variant"] for r in d["accuracy"])' "$work/only"
+assert not d["effects"] and [r["variant"] for r in d["accuracy"]] == ["polish: 64 bits"]' "$work/only"
+
+expect 0 "c-accuracy.png: not drawn" "a run that records" "$mill" cost "$gas" --steady 0.05 --time 1 \
+  --only frames --rounds 1 --flights 0 -o "$work/c" -q
+check "its cost" grep -q "^frames, 50/s  *[0-9.]" "$work/out"
+check "in a picture of its own" test -s "$work/c-recording.png"
+check "what a digit costs, in a sentence" \
+  grep -q '1 % on the rate above 3 m/s takes [0-9.e+]* s simulated, [0-9.e+]* s of computing' "$work/out"
+
+"$mill" cost <(cat "$gas") balls.count=200 --steady 0.01 --time 0.01 --rounds 1 --flights 100 \
+  --only "level fast" -q >"$work/out" 2>"$work/err"
+check "a scene from a pipe" grep -q "^level fast  *[0-9.]" "$work/out"
+
+# What a scene comes to, not the way there: a gas that cools for 0.4 s, seen for 0.04 s.
+"$mill" cost "$gas" balls.count=300 --steady 0.4 --time 0.01 --rounds 1 --flights 0 --csv "$work/cost.csv" \
+  --only restitution -q >"$work/out" 2>"$work/err"
+check "variants settle before their figures count" \
+  above -0.2 "$(sed -n 's/^restitution falls with speed,//p' "$work/cost.csv" | cut -d, -f5)"
+
+# ---------------------------------------------------------------- levels of a scene in full
+"$mill" check "$gas" balls.count=200 >"$work/full.cfg"
+expect 0 "" "a scene in full" "$mill" cost "$work/full.cfg" --steady 0.01 --time 0.01 --rounds 1 \
+  --flights 1000 --only level --csv "$work/cost.csv" -q
+check "its levels differ" above "$(cell 'level reference' time)" 2
+check "in their errors, too" equal "$(cell 'level reference' error_most)" 0
+
+# ---------------------------------------------------------------- scenes with little to measure
+cat >"$work/rest.cfg" <<'END'
+duration = 1.0; gravity = "none";
+chamber = { shape = "drum"; diameter = 0.1; length = 0.1; };
+balls = { count = 3; diameter = 0.01; speed = 0.0; };
+END
+for count in 0 3; do
+  expect 0 "" "$count balls at rest" timeout 60 "$mill" cost "$work/rest.cfg" balls.count=$count \
+    --only "level fast" --time 0.05 --rounds 1 -q
+  check "are told to have no contacts" grep -q "none judged" "$work/out"
+done
+expect 0 "bounce-accuracy.png: not drawn" "a ball that comes to rest" "$mill" cost \
+  geometries/bouncing-ball.cfg --rounds 1 -q -o "$work/bounce" --only level
+check "is measured for its duration" grep -q "goes on for 4 s only: .*collapse" "$work/out"
+check "in the same blocks of time" grep -q "^level standard .* 0 ± 0 %" "$work/out"
+cat >"$work/one.cfg" <<'END'
+chamber = { shape = "box"; size = [0.1, 0.1, 0.1]; };
+gravity = "none"; contact = { rule = "smooth"; normal = 1.0; };
+balls = { count = 1; diameter = 0.02; speed = 1.0; };
+END
+expect 0 "" "one elastic ball" "$mill" cost "$work/one.cfg" --time 0.5 --rounds 1 -q --only level
+check "has an exact speed" grep -q "0 s where the figure is exact" "$work/out"
+expect 0 "" "a short run" "$mill" cost "$mill_scene" balls.count=100 --steady 0.02 --time 0.001 \
+  --rounds 1 --flights 100 -q --only "level fast"
+check "cannot tell what one per cent takes" grep -q "run longer: --time above 0.001" "$work/out"
+
+facets=(geometries/ideal-gas-gravity.cfg balls.count=200 chamber.facets=64 --steady 0.01 --time 0.01
+  --rounds 1 --flights 2000 -q)
+expect 2 "in no variant" "no quartic where the drum has facets" "$mill" cost "${facets[@]}" --only quartic
+expect 0 "" "a drum of facets" "$mill" cost "${facets[@]}" --only level --csv "$work/cost.csv"
+check "has errors of contact times" above "$(cell 'level standard' error_rms)" 0
+check "but for the reference" equal "$(cell 'level reference' error_most)" 0
+
+# ---------------------------------------------------------------- files that cannot be, and stops
+short=("$gas" balls.count=200 --steady 0.01 --time 0.01 --rounds 1 --flights 100 -q)
+TMPDIR=$work/nowhere expect 0 "" "no folder for runs that record" "$mill" cost "${short[@]}" \
+  --only frames
+check "is told" grep -q "^frames, 50/s: .*nowhere/mill-cost-.*cannot be created" "$work/out"
+limited() { (ulimit -f 20 && "$@"); }
+TMPDIR=$work expect 0 "" "a limit to files" limited "$mill" cost "${short[@]}" --only "collision table"
+check "is told as well" grep -q "^collision table: .*cannot be written" "$work/out"
+check "nothing is left" equal "$(find "$work" -name 'mill-cost-*')" ""
+mkdir "$work/tmp"
+TMPDIR=$work/tmp "$mill" cost "$gas" balls.count=200 --steady 0.01 --time 0.5 --rounds 64 --flights 100 \
+  --only ta --csv "$work/stopped.csv" >"$work/out" 2>"$work/err" &
+pid=$!
+for ((k = 0; k < 300; k++)); do
+  [ -n "$(ls "$work/tmp")" ] && break
+  sleep 0.1
+done
+kill -INT $pid
+wait $pid
+is "stopped while it records" 1 $?
+check "it says so" grep -q "^interrupted: [0-9]* of [0-9]* variants are measured" "$work/out"
+check "with what is measured" grep -q "^level standard,[0-9.]*,[0-9.]" "$work/stopped.csv"
+check "and leaves no file" equal "$(ls "$work/tmp")" ""
 
 # Two kinds of balls: left out, all are of one.
 cat >"$work/two.cfg" <<'END'
