@@ -112,7 +112,7 @@ static double time_for_percent(const struct em_cost *cost, int k) {
   const size_t blocks = em_precision_blocks(cost->precision);
   const double width = em_mill_cost_width(&cost->figure[k]), r = width / 0.01;
   if (width <= ROUNDING) return 0.0;
-  if ((double)blocks < LEAST_INDEPENDENT * cost->figure[k].inefficiency) return NAN;
+  if (width > 1.0 || (double)blocks < LEAST_INDEPENDENT * cost->figure[k].inefficiency) return NAN;
   return em_precision_time(cost->precision, blocks) * r * r;
 }
 
@@ -138,10 +138,11 @@ static void one_percent_table(struct em_report *report, const struct em_cost *co
     exact = exact || time == 0.0;
   }
   if (brief)
-    em_report_note(report,
-                   "one per cent: - where fewer than %g of the %zu blocks of time count, which is "
-                   "too few to tell; run longer: --time above %.2g.",
-                   LEAST_INDEPENDENT, em_precision_blocks(cost->precision), cost->time);
+    em_report_note(
+        report,
+        "one per cent: - where fewer than %g of the %zu blocks of time count, or a width "
+        "exceeds its figure: too little to tell; run longer: --time above %.2g.",
+        LEAST_INDEPENDENT, em_precision_blocks(cost->precision), cost->time);
   if (exact) em_report_note(report, "one per cent: 0 s where the figure is exact.");
 }
 

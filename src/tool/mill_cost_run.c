@@ -16,6 +16,9 @@ enum { BLOCKS = 4 * STRETCHES };
 /* Where one run is so much slower than the other, few turns and blocks have to be enough. */
 static const double PLAIN = 4.0;
 enum { FEW_TURNS = 3, FEW_BLOCKS = BLOCKS / 16 };
+/* A variant that collides so many times as often as the scene as it is comes to rest, in a heap
+ * that no simulation by events gets through. */
+static const double TOO_MANY = 30.0;
 /* s of computing, by default: of a variant's run; of the scene as it is, for the statistics. */
 static const double RUN = 0.3, LONG_RUN = 4.0;
 
@@ -55,7 +58,7 @@ struct course {
   struct em_walk walk;
   struct em_snapshot *settled; /* where its turns begin */
   int blocks;                  /* booked */
-  double spent;                /* s of computing, for all of the walk */
+  double spent, slow;          /* s of computing, for all of the walk; per s, at last */
 };
 
 static void end_course(struct course *c) {
@@ -70,8 +73,10 @@ static enum em_status settle(const struct em_cost *cost, const struct em_scene *
   enum em_status status = em_mill_cost_walk_begin(&c->walk, cost->snapshot, scene, cost->stop, err);
   for (int k = 0; k < PARTS && cost->steady > 0.0 && !status; k++) {
     double spent;
+    c->walk.most = TOO_MANY * cost->collisions_per_time;
     status = em_mill_cost_walk_on(&c->walk, cost->steady / PARTS, false, &spent, err);
     c->spent += spent;
+    c->slow = spent * PARTS / cost->steady;
     em_mill_cost_tell(cost, "settles");
   }
   return status ? status : em_world_snapshot(c->walk.world, &c->settled, err);
@@ -151,6 +156,7 @@ static int turn(struct pair *p, int number, double *ratio) {
     const int k = (number + n) % RUNS;
     if (em_mill_cost_walk_begin(&p->walk[k], p->from[k], p->scene[k], p->cost->stop, &p->error[k]))
       return k;
+    p->walk[k].most = TOO_MANY * p->cost->collisions_per_time;
   }
   for (int s = 0; s < STRETCHES; s++)
     for (int n = 0; n < RUNS; n++) {
@@ -215,8 +221,8 @@ static enum em_status compare(const struct em_cost *cost, const struct em_scene 
                               struct em_error *err) {
   enum em_status status = settle(cost, scene, c, err);
   if (status) return status;
-  const double slow = c->walk.done > 0.0 ? c->spent / (c->walk.done * cost->cpu_per_time) : 1.0;
-  status = keep_books(cost, c, slow > PLAIN ? FEW_BLOCKS : BLOCKS, err);
+  const bool slow = c->slow > PLAIN * cost->cpu_per_time;
+  status = keep_books(cost, c, slow ? FEW_BLOCKS : BLOCKS, err);
   if (status) return status;
   for (int k = 0; k < EM_PRECISION_COUNT; k++)
     result->shift[k] = em_precision_shift(cost->precision, c->walk.precision,

@@ -118,7 +118,7 @@ static void add_recording(struct em_cost *cost) {
   recording(cost, "frames, 50/s", "record.frames=50.0");
   recording(cost, "observables, 100/s", "record.observables=100.0");
   recording(cost, "histograms, 20/s", "record.histograms=20.0");
-  /* s between two on the wall, of which a run of this length has several */
+  /* s between two on the wall, of which a run of this length has some */
   const double between = fmax(cost->time * cost->cpu_per_time / CHECKPOINTS, 1e-3);
   char name[64], words[64];
   snprintf(name, sizeof name, "checkpoints, every %.2g s", between);

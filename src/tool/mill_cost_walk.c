@@ -10,6 +10,9 @@
 
 enum { COUNTS = EM_CLASS_COUNT * EM_TALLY_BINS };
 
+/* So few collisions are never too many. */
+enum { FEW = 10000 };
+
 double em_mill_cost_walk_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -96,13 +99,25 @@ static enum em_status book(struct em_walk *w, double time, struct em_error *err)
   return EM_OK;
 }
 
+/* Runs until a time, unless there are too many collisions. */
+static enum em_status run(struct em_walk *w, double time, struct em_error *err) {
+  const uint64_t before = em_world_collisions(w->world);
+  const uint64_t limit = w->most > 0.0 ? FEW + (uint64_t)(w->most * time) : UINT64_MAX;
+  const enum em_status status =
+      em_world_run_collisions(w->world, w->start + w->done + time, limit, w->stop, err);
+  if (status) return status;
+  if (*w->stop) /* the world may have had no event to notice it */
+    return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
+  if (em_world_collisions(w->world) - before < limit) return EM_OK;
+  return em_error_set(err, EM_COLLAPSE, NULL, 0,
+                      "comes to rest: more than %.2g collisions per second", w->most);
+}
+
 enum em_status em_mill_cost_walk_on(struct em_walk *w, double time, bool booked, double *spent,
                                     struct em_error *err) {
   const double from = em_mill_cost_walk_clock();
-  enum em_status status = em_world_run(w->world, w->start + w->done + time, w->stop, err);
+  enum em_status status = run(w, time, err);
   *spent = em_mill_cost_walk_clock() - from;
-  if (!status && w->stop && *w->stop) /* the world may have had no event to notice it */
-    status = em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
   if (status) return status;
   w->done += time;
   if (booked) status = book(w, time, err);

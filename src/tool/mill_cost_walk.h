@@ -18,6 +18,7 @@ struct em_walk {
   double work;           /* J, before the block */
   struct em_energy energy;
   const volatile sig_atomic_t *stop; /* as in em_world_run */
+  double most;                       /* 1/s: collisions that are too many; 0: none are */
 };
 
 /* Begins at a state, in the shape that the scene needs: without spins, with other blades.
@@ -28,7 +29,8 @@ enum em_status em_mill_cost_walk_begin(struct em_walk *walk, const struct em_sna
 void em_mill_cost_walk_end(struct em_walk *walk);
 
 /* Goes on for `time` (s), a block of its figures where `booked`; *spent: s of computing, of the
- * events alone. What comes before the first block is in none. Errors: those of em_world_run. */
+ * events alone. What comes before the first block is in none. Errors: those of em_world_run,
+ * EM_COLLAPSE (too many collisions). */
 enum em_status em_mill_cost_walk_on(struct em_walk *walk, double time, bool booked, double *spent,
                                     struct em_error *err);
 

@@ -102,6 +102,9 @@ for count in 0 3; do
     --only "level fast" --time 0.05 --rounds 1 -q
   check "are told to have no contacts" grep -q "none judged" "$work/out"
 done
+expect 0 "" "a mill without its rotor" timeout 60 "$mill" cost "$mill_scene" balls.count=1000 --steady 1.5 \
+  --time 0.02 --rounds 1 --flights 0 -q --only "without rotor"
+check "comes to rest" grep -q "^without rotor: .*comes to rest" "$work/out"
 expect 0 "bounce-accuracy.png: not drawn" "a ball that comes to rest" "$mill" cost \
   geometries/bouncing-ball.cfg --rounds 1 -q -o "$work/bounce" --only level
 check "is measured for its duration" grep -q "goes on for 4 s only: .*collapse" "$work/out"
