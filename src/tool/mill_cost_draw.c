@@ -123,7 +123,7 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
                          .log_x = true,
                          .log_y = true,
                          .x_low = 0.8 * low,
-                         .x_high = 2.0 * high, /* room for the last name */
+                         .x_high = 2.5 * high, /* room for the last name */
                          .y_low = 0.1 * LOWEST,
                          .y_high = 0.1,
                          .series_count = c.families,
