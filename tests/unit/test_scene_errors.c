@@ -107,7 +107,7 @@ static void types_and_ranges(void **state) {
       {DRUM BALLS "engine = { lanes = 5; };",
        "bad.cfg:3: error: engine.lanes: found 5, expected 0, 4 or 8"},
       {DRUM BALLS "engine = { lanes = 8.0; };",
-       "bad.cfg:3: error: engine.lanes: found 8, expected 0, 4 or 8"},
+       "bad.cfg:3: error: engine.lanes: found 8.0, expected 0, 4 or 8"},
       {DRUM BALLS "remedy = { jam_after = -1; };",
        "bad.cfg:3: error: remedy.jam_after: found -1, expected an integer from 0 to 1000000000 "
        "(contacts)"},
