@@ -225,9 +225,10 @@ static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32
   plan->streak = streak;
 }
 
-/* The bin of em_tally.vn, from the leading bits of the number itself. */
 _Static_assert(EM_TALLY_PER_OCTAVE == 1 << 6,
                "an octave's bins are told by 6 bits of the fraction");
+
+/* The bin of em_tally.vn, from the leading bits of the number itself. */
 static inline uint32_t vn_bin(double vn) {
   int64_t bits;
   memcpy(&bits, &vn, sizeof bits);

@@ -2,6 +2,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_version.h>
 #include <hdf5.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -53,6 +54,7 @@ static void print_version(void) {
 
 int main(int argc, char **argv) {
   gsl_set_error_handler_off(); /* statuses are checked where they are returned */
+  signal(SIGXFSZ, SIG_IGN);    /* so that a limit is an error of writing, and tidied up after */
   if (argc < 2) {
     print_help(stderr);
     return EM_MILLPOST_USAGE;

@@ -428,6 +428,10 @@ expect 2 "nowhere.txt: error" "pairs that are not there" post fit "$work/nowhere
 expect 2 "nowhere.csv: error" "points that are not there" post table "$work/nowhere.csv"
 head -c 20000 "$one" >"$work/short.h5"
 expect 2 "" "a truncated run" post hist "$work/short.h5"
+limited() { (ulimit -f 8; "$post" "$@"); }
+expect 1 "cannot be written" "a table over the limit of files" limited export "$one" --to csv --of collisions \
+  -o "$work/limit.csv"
+check "which leaves nothing" bash -c "! compgen -G '$work/limit*'"
 cp "$one" "$work/own.h5"
 expect 2 "would replace the run itself" "an export over its run" post export "$work/own.h5" --to csv -o "$work/own.h5"
 check "which stays" cmp -s "$one" "$work/own.h5"
