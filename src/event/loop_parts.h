@@ -37,8 +37,10 @@ static inline const struct em_prediction *local_first(const struct em_world *w, 
   return w->keeps_all ? w->local_kind->first(w->local, i) : em_local_first_get(w->local, i);
 }
 
-/* When ball i meets what it meets first, or leaves its place. */
-static inline double local_least(const struct em_world *w, uint32_t i) {
+/* When ball i meets what it meets first, or leaves its place. Always inline: a hundredth of a
+ * mill's instructions. */
+static inline __attribute__((always_inline)) double local_least(const struct em_world *w,
+                                                                uint32_t i) {
   const struct em_prediction *p =
       w->keeps_all ? w->local_kind->first(w->local, i) : &w->plan[i].first;
   return p && p->time < w->plan[i].leave ? p->time : w->plan[i].leave;
