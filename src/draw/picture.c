@@ -283,7 +283,7 @@ static const struct em_sphere *sort_by_distance(struct em_picture *p, size_t cou
     const float d2 = eye[0] * eye[0] + eye[1] * eye[1] + eye[2] * eye[2];
     p->order[k] = (struct order){p->aim.parallel ? -eye[2] : d2, (unsigned)k};
   }
-  qsort(p->order, count, sizeof *p->order, farthest_first);
+  if (count > 0) qsort(p->order, count, sizeof *p->order, farthest_first);
   struct em_sphere *sorted = p->sphere + p->sphere_room;
   for (size_t k = 0; k < count; k++)
     sorted[k] = p->sphere[p->order[k].index];
