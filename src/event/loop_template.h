@@ -129,7 +129,7 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
   return true;
 }
 
-/* A bin of the calendar begins, after the last contact at `now`: of its balls, those that leave
+/* A bin of the calendar begins, after the last event at `now`: of its balls, those that leave
  * their places in it are moved on at once, if they are near enough to the border, and predictions
  * that are stale are made anew. When that is done changes no contact, and the processor, which
  * cannot foretell what the next event is, goes through many of a kind without wrong guesses: a gain
@@ -199,13 +199,14 @@ static enum em_status FN(hit_surface)(struct em_world *w, uint32_t i, uint32_t c
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
+  double now = w->clock; /* s, of the last event: a crossing may come long after the last contact */
   const bool bins = w->calendar && !w->keeps_all;
   const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
   while (*left > 0) {
     if (bins && em_calendar_is_over(w->queue)) {
       if (!em_calendar_advance(w->queue)) return EM_OK;
       if (foresight) foresee(w);
-      if (!FN(tidy)(w, w->clock)) return no_memory(err);
+      if (!FN(tidy)(w, now)) return no_memory(err);
       continue;
     }
     double t;
@@ -213,6 +214,7 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
+    now = em_greater(now, t);
     if (rival != i && !meets(w, i, rival)) i = untie(w, t);
     if (!is_real(w, i, t)) {
       if (w->plan[i].leave <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);

@@ -372,12 +372,54 @@ static void test_too_many_slices(void **unused) {
   em_scene_free(scene);
 }
 
+/* In a short period the image that is nearest now, not at the last contact, is the one that is met.
+ * Ball 0 flies round towards ball 1, from beyond half the period; ball 2, which comes nearer beside
+ * it and would meet it just before, is hit by ball 3, the only contact until then. So what ball 0
+ * expects becomes stale, and it has to find ball 1 again. The others rest, and make the bins of the
+ * calendar short. */
+static void test_few_contacts_in_a_short_period(void **unused) {
+  (void)unused;
+  enum { BALLS = 104 };
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [4.3, 40.0, 12.0]; periodic = [true, false, false]; };"
+      "gravity = \"none\"; balls = { count = 104; diameter = 1.0; speed = 1.0; };" GAS;
+  static const struct em_vec place[] = {
+      {0.6, 4.0, 7.0}, {2.9, 4.3, 7.0}, {0.6, 2.94, 7.0}, {0.6, 2.94, 8.3}};
+  static const struct em_vec speed[] = {
+      {1.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {1.0, 0.05, 0.0}, {1.0, 0.0, -3.0}};
+  static const char *const partition[] = {"none", "cells", "neighbours", "slices"};
+  static struct em_error err; /* large */
+  for (size_t k = 0; k < sizeof partition / sizeof *partition; k++) {
+    char how[64];
+    snprintf(how, sizeof how, "engine.partition=%s", partition[k]);
+    const char *overrides[] = {how};
+    struct em_scene *scene = NULL;
+    struct em_balls *balls = NULL;
+    struct em_world *w = NULL;
+    assert_int_equal(em_scene_parse(&scene, text, "period", 1, overrides, &err), EM_OK);
+    assert_int_equal(em_start_make(&balls, scene, NULL, NULL, &err), EM_OK);
+    for (size_t i = 0; i < BALLS; i++) {
+      const double row = (double)(i / 3), column = (double)(i % 3);
+      balls->velocity[i] = i < 4 ? speed[i] : em_vec_make(0.0, 0.0, 0.0);
+      balls->position[i] = i < 4 ? place[i]
+                                 : em_vec_make(0.6 + 1.4 * column, 10.0 + 1.3 * floor(row / 4.0),
+                                               1.0 + 1.3 * fmod(row, 4.0));
+    }
+    if (em_world_new(&w, scene, balls, &err)) fail_msg("%s", err.text);
+    em_start_free(balls);
+    if (em_world_run_collisions(w, 2.0, 2, NULL, &err)) fail_msg("%s", err.text);
+    assert_true(fabs(em_world_time(w) - (2.3 - sqrt(0.91))) < 1e-12);
+    close_world(w, scene);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
       cmocka_unit_test(test_same_collisions),
       cmocka_unit_test(test_cells_get_roomy),
       cmocka_unit_test(test_too_many_slices),
+      cmocka_unit_test(test_few_contacts_in_a_short_period),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
