@@ -59,6 +59,16 @@ struct em_vec em_body_facet(const struct em_world *w, struct em_vec x) {
   return *best;
 }
 
+struct em_vec em_body_facet_met(const struct em_world *w, struct em_vec x, struct em_vec v) {
+  const struct em_vec nearest = em_body_facet(w, x), *met = &nearest;
+  for (uint32_t k = 0; k < w->facets; k++) {
+    const struct em_vec *e = &w->facet[k];
+    const double further = em_vec_dot(*e, x) - em_vec_dot(nearest, x);
+    if (further <= 1e-12 * w->rho && em_vec_dot(*e, v) < em_vec_dot(*met, v)) met = e;
+  }
+  return *met;
+}
+
 /* The first of the planes that touch the drum from outside. */
 static double facets(const struct em_world *w, uint32_t i, bool touched, double horizon) {
   const struct em_body *b = &w->body[i];

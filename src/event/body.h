@@ -140,6 +140,9 @@ double em_body_special_drum(const struct em_world *world, uint32_t i, bool touch
 
 /* Inward normal of the facet that is nearest to x. */
 struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
+/* The same where a ball with velocity v touches it: in a corner, where two are as near but for
+ * rounding, the one against which it flies. */
+struct em_vec em_body_facet_met(const struct em_world *world, struct em_vec x, struct em_vec v);
 
 /* Memory on cache-line boundaries, zeroed; freed by free(). NULL: no memory. */
 void *em_body_array(size_t count, size_t size);

@@ -145,12 +145,13 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
 static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_body *b) {
   const double rho = sqrt(b->x * b->x + b->z * b->z);
   struct em_vec e = {-b->x / rho, 0.0, -b->z / rho};
-  if (WITH(EXTRA) && w->facets) return em_body_facet(w, em_vec_make(b->x, b->y, b->z));
+  if (WITH(EXTRA) && w->facets) return em_body_facet_met(w, centre(b), velocity(b));
   if (WITH(EXTRA) && w->scene->chamber.ramp_tilt != 0.0 &&
       fabs(e.z) > cos(w->scene->chamber.ramp_half)) {
     const double side = (b->vx > 0.0) == (e.z > 0.0) ? -1.0 : 1.0;
     const double s = side * sin(w->scene->chamber.ramp_tilt), c = cos(w->scene->chamber.ramp_tilt);
-    e = (struct em_vec){c * e.x + s * e.z, 0.0, c * e.z - s * e.x};
+    const struct em_vec turned = {c * e.x + s * e.z, 0.0, c * e.z - s * e.x};
+    if (em_vec_dot(turned, velocity(b)) < 0.0) e = turned; /* else the ball would not come back */
   }
   return e;
 }

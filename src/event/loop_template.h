@@ -88,14 +88,15 @@ static void FN(moved)(struct em_world *w, uint32_t i) {
     w->partition_kind->moved(w, i);
 }
 
-/* Ball i has reached the end of its place. */
-static bool FN(cross)(struct em_world *w, uint32_t i, double now) {
+/* Ball i reaches the end of its place at the time `leave`. The images of others are those of `now`,
+ * when these are in their places: until then a fast one may be elsewhere. */
+static bool FN(cross)(struct em_world *w, uint32_t i, double leave, double now) {
   uint32_t n;
-  const uint32_t *id = w->cells ? em_blocks_cross(w, i, now, &n, WITH(GRAVITY), WITH(PERIODIC))
-                                : w->partition_kind->cross(w, i, now, &n);
+  const uint32_t *id = w->cells ? em_blocks_cross(w, i, leave, &n, WITH(GRAVITY), WITH(PERIODIC))
+                                : w->partition_kind->cross(w, i, leave, &n);
   w->tally.transfers++;
   if (!id && n) return false;
-  return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i, now);
+  return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i, leave);
 }
 
 /* Takes a stale prediction of ball i out. */
@@ -129,7 +130,7 @@ static bool FN(cross_all)(struct em_world *w, const uint32_t *ball, uint32_t n, 
   return true;
 }
 
-/* A bin of the calendar begins, after the last event at `now`: of its balls, those that leave
+/* A bin of the calendar begins, and all before `now` is worked off: of its balls, those that leave
  * their places in it are moved on at once, if they are near enough to the border, and predictions
  * that are stale are made anew. When that is done changes no contact, and the processor, which
  * cannot foretell what the next event is, goes through many of a kind without wrong guesses: a gain
@@ -162,7 +163,7 @@ static bool FN(tidy)(struct em_world *w, double now) {
     if (!FN(cross_all)(w, ball, near, now)) return false;
   } else {
     for (uint32_t k = 0; k < near; k++)
-      if (!FN(cross)(w, ball[k], w->plan[ball[k]].leave)) return false;
+      if (!FN(cross)(w, ball[k], w->plan[ball[k]].leave, now)) return false;
   }
   for (uint32_t k = 0; k < rest; k++)
     if (!FN(renew)(w, stale[k], now)) return false;
@@ -199,14 +200,17 @@ static enum em_status FN(hit_surface)(struct em_world *w, uint32_t i, uint32_t c
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
-  double now = w->clock; /* s, of the last event: a crossing may come long after the last contact */
   const bool bins = w->calendar && !w->keeps_all;
   const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
   while (*left > 0) {
     if (bins && em_calendar_is_over(w->queue)) {
       if (!em_calendar_advance(w->queue)) return EM_OK;
       if (foresight) foresee(w);
-      if (!FN(tidy)(w, now)) return no_memory(err);
+      double next; /* of a crossing, perhaps, long after the last contact */
+      uint32_t other;
+      (void)queue_first(w, &next, &other);
+      if (next >= limit) return EM_OK;
+      if (!FN(tidy)(w, em_greater(next, w->clock))) return no_memory(err);
       continue;
     }
     double t;
@@ -214,10 +218,10 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    now = em_greater(now, t);
     if (rival != i && !meets(w, i, rival)) i = untie(w, t);
     if (!is_real(w, i, t)) {
-      if (w->plan[i].leave <= t ? !FN(cross)(w, i, t) : !FN(renew)(w, i, t)) return no_memory(err);
+      if (w->plan[i].leave <= t ? !FN(cross)(w, i, t, t) : !FN(renew)(w, i, t))
+        return no_memory(err);
       continue;
     }
     const double at = t > w->clock ? t : w->clock;

@@ -398,7 +398,7 @@ static enum em_status fit_period(struct em_world *w, struct em_places *p, struct
     if (most < 0.01 * w->largest)
       return em_error_set(err, EM_INPUT, w->scene->file, 0,
                           "chamber.size: a periodic edge of %g m is too short for balls of %g m "
-                          "diameter; more than two diameters are needed",
+                          "diameter in neighbour lists; more than 2.05 diameters are needed",
                           period[k], 2.0 * w->largest);
     p->skin_most = fmin(p->skin_most, most);
   }

@@ -344,13 +344,13 @@ double em_surface_blade_steps(const struct em_blade *blade, struct em_vec r, str
   set_motion(&s, blade, v, g);
   const struct place start = place_at(&s, 0.0);
   double from, to, x;
-  slice_times(&s, em_lesser(horizon, gone(&s, &start)), &from, &to);
+  slice_times(&s, gone(&s, &start), &from, &to);
   const double least = step * 2.0 * radius / (em_vec_norm(v) + fabs(s.omega) * s.reach);
-  if (!(from <= to) || !(least > 0.0) || !(to < INFINITY)) return INFINITY;
+  if (!(from <= to) || !(least > 0.0) || !(em_lesser(to, horizon) < INFINITY)) return INFINITY;
   struct gap f = endless(&s, from, &x);
   double t = from, dt = least;
   unsigned count = 1;
-  while (t < to) {
+  while (t < to && t <= horizon) {
     const double next = em_lesser(t + dt, to);
     const struct gap g1 = endless(&s, next, &x);
     count++;

@@ -68,12 +68,27 @@ static void test_others(void **state) {
   watch("geometries/ideal-gas.cfg", "balls.count=3500");
 }
 
+/* A ball that falls into a corner of facets meets both of them. */
+static void test_corner(void **state) {
+  (void)state;
+  struct trial t;
+  trial_open(&t,
+             "gravity = [9.81, 0.0, 0.0]; contact = { rule = \"smooth\"; normal = 0.9; };"
+             "chamber = { shape = \"drum\"; diameter = 0.1; length = 0.05; facets = 6; };"
+             "balls = { diameter = 0.01; start = \"table\";"
+             "  table = ( (0.0, 0.025, 0.0, 0.0, 0.0, 0.0) ); };"
+             "remedy = { elastic_below = 0.001; };",
+             "%s", "");
+  trial_run(&t, 2.0);
+  trial_valid(&t, 1e-14);
+  assert_true(em_world_collisions(t.world) > 20);
+  trial_free(&t);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_speeds),
-      cmocka_unit_test(test_rules),
-      cmocka_unit_test(test_tips),
-      cmocka_unit_test(test_others),
+      cmocka_unit_test(test_speeds), cmocka_unit_test(test_rules),  cmocka_unit_test(test_tips),
+      cmocka_unit_test(test_others), cmocka_unit_test(test_corner),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,8 +83,26 @@ static void without_tilt(void **state) {
   assert_true(hash[0] == hash[1]);
 }
 
+/* Where the turned normal would let a ball go on outwards, the drum's own holds it. */
+static void any_tilt(void **state) {
+  (void)state;
+  static const int tilt[] = {-89, -60, -10, 60, 89}, half[] = {30, 90};
+  for (size_t k = 0; k < sizeof tilt / sizeof *tilt; k++)
+    for (size_t h = 0; h < sizeof half / sizeof *half; h++) {
+      struct trial t;
+      trial_open(&t, "geometries/ideal-gas.cfg",
+                 "balls.count=50 chamber.ramps.half_deg=%d chamber.ramps.tilt_deg=%d", half[h],
+                 tilt[k]);
+      const double energy = trial_energy(&t);
+      trial_collide(&t, 3000);
+      trial_valid(&t, 1e-12);
+      assert_true(fabs(trial_energy(&t) / energy - 1.0) < 1e-12);
+      trial_free(&t);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(turned_normal),
-                                     cmocka_unit_test(without_tilt)};
+                                     cmocka_unit_test(without_tilt), cmocka_unit_test(any_tilt)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -232,6 +232,9 @@ check "goes on without that run" bash -c "
   '$mill' run ${near[*]} duration=0.005 -o third.h5 -q --resume &&
   h5diff --exclude-path /eventmill/sessions --exclude-path /eventmill/checkpoint/engine third.h5 whole3.h5"
 
+check "a ball at rest among blades" timeout 60 "$mill" run geometries/simoloyer-2l.cfg 'gravity="none"' \
+  balls.count=1 balls.speed=0 duration=0.1 -o none -q
+
 # ---------------------------------------------------------------- damaged files
 head -c 30000 "$work/whole.h5" >"$work/short.h5"
 expect 2 "truncated, damaged" "resuming a truncated file" "$mill" run "${long[@]}" -o "$work/short.h5" --resume -q
