@@ -1,6 +1,6 @@
-/* Files that appear complete or not at all: they are written under another name, FILE.PID.part, and put
- * in their place at the end. What is there and no regular file (a pipe, a terminal, a device) is
- * written to directly, and never replaced. */
+/* Files that appear complete or not at all: they are written under another name, FILE.PID.part, and
+ * put in their place at the end. What is there and no regular file (a pipe, a terminal, a device)
+ * is written to directly, and never replaced. */
 #ifndef EM_RECORD_OUTPUT_H
 #define EM_RECORD_OUTPUT_H
 
