@@ -55,10 +55,6 @@ static void thin(struct em_view_frames *f, size_t ball_bytes, size_t most_bytes)
   f->count = kept;
 }
 
-static double at(struct em_vec v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 static void put16(uint8_t *to, int value) {
   to[0] = (uint8_t)(value & 0xff);
   to[1] = (uint8_t)((value >> 8) & 0xff);
@@ -70,14 +66,16 @@ static void pack(struct em_view_frames *f, size_t frame, const struct em_balls *
   double most = 0.0;
   for (size_t k = 0; k < f->balls; k++)
     for (int a = 0; a < 3; a++)
-      most = fmax(most, fabs(at(balls->velocity[f->chosen[k]], a)));
+      most = fmax(most, fabs(em_vec_component(balls->velocity[f->chosen[k]], a)));
   f->scale[frame] = most / 32767.0;
   for (size_t k = 0; k < f->balls; k++)
     for (int a = 0; a < 3; a++) {
       const struct em_vec p = balls->position[f->chosen[k]], v = balls->velocity[f->chosen[k]];
-      const double u = (at(p, a) - at(low, a)) / (at(high, a) - at(low, a));
+      const double u = (em_vec_component(p, a) - em_vec_component(low, a)) /
+                       (em_vec_component(high, a) - em_vec_component(low, a));
       put16(place + 6 * k + 2 * a, (int)lround(65535.0 * fmin(fmax(u, 0.0), 1.0)));
-      put16(rate + 6 * k + 2 * a, most > 0.0 ? (int)lround(32767.0 * at(v, a) / most) : 0);
+      put16(rate + 6 * k + 2 * a,
+            most > 0.0 ? (int)lround(32767.0 * em_vec_component(v, a) / most) : 0);
     }
 }
 

@@ -212,10 +212,6 @@ static inline struct em_vec velocity(const struct em_body *b) {
   return (struct em_vec){b->vx, b->vy, b->vz};
 }
 
-static inline double along(struct em_vec a, uint32_t axis) {
-  return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
-}
-
 static inline double absolute(const struct em_world *w, double t) {
   return (double)w->epoch * w->epoch_length + t;
 }

@@ -92,12 +92,14 @@ static __attribute__((noinline)) bool FN(predict_blade)(struct em_world *w, uint
 static inline bool FN(meet_walls)(struct em_world *w, uint32_t i, const struct em_body *at,
                                   uint32_t axis, double rest, double h) {
   const struct em_body *b = &w->body[i];
-  const double low = along(w->low, axis), high = along(w->high, axis);
-  const double g = along(w->gravity, axis);
-  return FN(stays_between)(along(centre(at), axis), along(velocity(at), axis), g, at->radius, low,
-                           high, rest) ||
-         FN(predict_walls)(w, i, axis, along(centre(b), axis), along(velocity(b), axis), g, low,
-                           high, h);
+  const double low = em_vec_component(w->low, (int)axis),
+               high = em_vec_component(w->high, (int)axis);
+  const double g = em_vec_component(w->gravity, (int)axis);
+  return FN(stays_between)(em_vec_component(centre(at), (int)axis),
+                           em_vec_component(velocity(at), (int)axis), g, at->radius, low, high,
+                           rest) ||
+         FN(predict_walls)(w, i, axis, em_vec_component(centre(b), (int)axis),
+                           em_vec_component(velocity(b), (int)axis), g, low, high, h);
 }
 
 /* The chamber's walls. */

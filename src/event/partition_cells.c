@@ -10,8 +10,10 @@
 #define FAR   1e100 /* m: the border of a closed end, which no ball reaches */
 
 enum {
-  TILE = 8,       /* cells of a row in one cache line, if they have two slots: see set_row */
-  TURN_LEAST = 6, /* fewer cells along a periodic edge are made one: see em_span_room */
+  TILE = 8, /* cells of a row in one cache line, if they have two slots: see set_row */
+  /* Fewer cells along a periodic edge are made one (see em_span_room): two balls that are moved on
+   * early are up to three cells apart, and only nearest images are met. */
+  TURN_LEAST = 6,
   /* There may be a crowd for as many balls, before all cells are given more room; fewer in large
    * systems, where crowds are waited for: measured. */
   CROWDED = 100,
@@ -232,7 +234,7 @@ static void set_cells(struct em_world *w, struct em_places *p) {
     p->per_period[a] = axis->period > 0.0 ? 1.0 / period[a] : 0.0;
   }
   if (w->early == INFINITY) w->early = 0.0;
-  w->early = fmin(w->early, p->room_m / 12.0);
+  w->early = fmin(w->early, p->room_m / 12.0); /* nor far beyond the spheres */
 }
 
 /* Rows are cut into tiles, each of one cache line where a cell has two slots: some cells, and at

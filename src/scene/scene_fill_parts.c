@@ -1,10 +1,8 @@
 /* Fills rotors with their blades, species of balls, and contact laws. */
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "scene/scene_fill.h"
 
@@ -129,18 +127,9 @@ static void match_start(struct em_scene_report *report, const config_setting_t *
   }
 }
 
-/* A path that means the same from any folder, to be freed; NULL: no memory, or no folder. */
-static char *absolute(char *path) {
-  char folder[PATH_MAX], *whole = NULL;
-  if (!path || path[0] == '/') return path;
-  if (getcwd(folder, sizeof folder) && asprintf(&whole, "%s/%s", folder, path) < 0) whole = NULL;
-  free(path);
-  return whole;
-}
-
 static void fill_from(struct em_scene_report *report, const config_setting_t *group,
                       struct em_species *s) {
-  char *path = absolute(em_scene_source_beside(report->source->name, s->from));
+  char *path = em_scene_source_whole(report->source->name, s->from);
   if (!path)
     em_scene_report_memory(report);
   else if (strlen(path) >= sizeof s->from)

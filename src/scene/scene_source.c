@@ -253,20 +253,9 @@ enum em_status em_scene_source_join(struct em_scene_source *source, const char *
   return join(source, text, name, NULL, err);
 }
 
-/* The directory of a file, absolute and with its last slash, to be freed by the caller. */
-static char *folder_of(const char *name) {
-  const char *slash = strrchr(name, '/');
-  const int length = slash ? (int)(slash - name) + 1 : 0;
-  char *here = name[0] == '/' ? strdup("") : getcwd(NULL, 0), *folder = NULL;
-  if (here && asprintf(&folder, "%s%s%.*s", here, *here ? "/" : "", length, name) < 0)
-    folder = NULL;
-  free(here);
-  return folder;
-}
-
 enum em_status em_scene_source_join_whole(struct em_scene_source *source, const char *text,
                                           const char *name, struct em_error *err) {
-  char *folder = folder_of(name);
+  char *folder = em_scene_source_whole(name, "");
   if (!folder) return no_memory(err);
   enum em_status status = join(source, text, name, folder, err);
   free(folder);
@@ -330,6 +319,16 @@ char *em_scene_source_beside(const char *base, const char *path) {
     strcpy(joined + n, path);
   }
   return joined;
+}
+
+char *em_scene_source_whole(const char *base, const char *path) {
+  char *beside = em_scene_source_beside(base, path), *whole = NULL;
+  if (!beside || beside[0] == '/') return beside;
+  char *here = getcwd(NULL, 0);
+  if (here && asprintf(&whole, "%s/%s", here, beside) < 0) whole = NULL;
+  free(here);
+  free(beside);
+  return whole;
 }
 
 const char *em_scene_source_place(const struct em_scene_source *source, int joined, int *line) {

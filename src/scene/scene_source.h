@@ -41,6 +41,8 @@ enum em_status em_scene_source_load(char **text, const char *path, struct em_err
 /* `path` as seen from the directory of the file `base`, to be freed by the caller; NULL when memory
  * is short. */
 char *em_scene_source_beside(const char *base, const char *path);
+/* The same, but absolute: it means the same from any folder. */
+char *em_scene_source_whole(const char *base, const char *path);
 
 /* The file and its line that a line of the joined text came from. */
 const char *em_scene_source_place(const struct em_scene_source *source, int joined, int *line);

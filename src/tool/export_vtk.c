@@ -30,7 +30,7 @@ static double value_of(const struct em_balls *b, int array, size_t i, int compon
   case 7:
     return (double)i;
   default:
-    return component == 0 ? vec[i].x : component == 1 ? vec[i].y : vec[i].z;
+    return em_vec_component(vec[i], component);
   }
 }
 

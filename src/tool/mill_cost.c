@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "scene/scene_source.h"
@@ -136,10 +135,8 @@ static int read_options(struct options *o, int argc, char **argv) {
   return em_mill_words(&o->scene, &help, argc - optind, argv + optind);
 }
 
-static double wall_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+enum em_status em_mill_cost_no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
 }
 
 double em_mill_cost_width(const struct em_interval *figure) {
@@ -148,7 +145,7 @@ double em_mill_cost_width(const struct em_interval *figure) {
 
 void em_mill_cost_tell(const struct em_cost *cost, const char *what) {
   const struct em_progress_state state = {
-      .fraction = cost->done, .whole = cost->done, .wall = wall_clock() - cost->begun};
+      .fraction = cost->done, .whole = cost->done, .wall = em_progress_clock() - cost->begun};
   char text[128];
   snprintf(text, sizeof text, "%s: %s", cost->now, what);
   em_progress_show(cost->progress, &state, text);
@@ -238,7 +235,7 @@ static int cost_of(struct em_cost *cost, const struct options *o) {
     return status == EM_MEMORY ? EM_MILL_FAILED : EM_MILL_USAGE;
   }
   cost->stop = em_mill_signals();
-  cost->begun = wall_clock();
+  cost->begun = em_progress_clock();
   cost->progress = em_progress_new(o->scene.quiet);
   status = measure(cost, &err);
   em_progress_end(cost->progress);

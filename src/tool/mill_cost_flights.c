@@ -25,10 +25,6 @@ struct sample {
   double *end;   /* s: when the balls of the round had their next event */
 };
 
-static enum em_status no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-}
-
 static void landed(void *self, const struct em_contact *c) {
   struct sample *s = self;
   if (s->end[c->ball] == INFINITY) s->end[c->ball] = c->time;
@@ -76,7 +72,7 @@ static enum em_status gather(struct sample *s, const struct em_cost *cost, struc
   if (!(cost->collisions_per_time > 0.0)) return EM_OK;
   enum em_status status = em_world_resume(&world, cost->scene, cost->settled, err);
   const struct em_observer observer = {s, landed};
-  if (!status && em_world_observe(world, &observer)) status = no_memory(err);
+  if (!status && em_world_observe(world, &observer)) status = em_mill_cost_no_memory(err);
   const double until = status ? 0.0 : em_world_time(world) + long_enough(cost, s->room);
   while (!status && s->count < s->room && em_world_time(world) < (1.0 - 1e-9) * until) {
     status = take(s, world, until, cost->stop, err);
@@ -203,7 +199,8 @@ static enum em_status make_room(struct sample *s, const struct em_cost *cost,
   s->truth = calloc(room * (blades + 1) + 1, sizeof *s->truth);
   s->end = calloc(em_scene_ball_count(cost->scene) + 1, sizeof *s->end);
   s->blade = calloc(blades + 1, sizeof *s->blade);
-  if (!s->flight || !s->angle || !s->truth || !s->end || !s->blade) return no_memory(err);
+  if (!s->flight || !s->angle || !s->truth || !s->end || !s->blade)
+    return em_mill_cost_no_memory(err);
   for (size_t r = 0; r < cost->scene->rotor_count; r++)
     for (size_t k = 0; k < cost->scene->rotor[r].blade_count; k++)
       s->blade[s->blades++] = cost->scene->rotor[r].blade[k];

@@ -22,10 +22,6 @@ static const double TOO_MANY = 30.0;
 /* s of computing, by default: of a variant's run; of the scene as it is, for the statistics. */
 static const double RUN = 0.3, LONG_RUN = 4.0;
 
-static enum em_status no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-}
-
 /* ---------------------------------------------------------------- the scene as it is */
 
 enum em_status em_mill_cost_run_steady(struct em_cost *cost, struct em_error *err) {
@@ -236,7 +232,7 @@ static enum em_status measure(const struct em_cost *cost, const struct em_scene 
                               struct em_cost_result *result, struct em_error *err) {
   struct course c = {0};
   struct pair *p = calloc(1, sizeof *p);
-  if (!p) return no_memory(err);
+  if (!p) return em_mill_cost_no_memory(err);
   enum em_status status = compare(cost, scene, result, &c, err);
   if (!status) {
     *p = (struct pair){

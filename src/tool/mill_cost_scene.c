@@ -7,16 +7,12 @@
 #include "eventmill/run_file.h"
 #include "tool/mill_cost.h"
 
-static enum em_status no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-}
-
 /* Half of the first species gets a density that differs in the 12th digit. */
 static enum em_status mix(struct em_scene *scene, struct em_error *err) {
   const size_t n = scene->species_count;
   if (n == 0 || scene->species[0].count < 2) return EM_OK;
   struct em_species *more = realloc(scene->species, (n + 1) * sizeof *more);
-  if (!more) return no_memory(err);
+  if (!more) return em_mill_cost_no_memory(err);
   scene->species = more;
   memmove(more + 1, more, n * sizeof *more);
   scene->species_count++;
@@ -51,7 +47,7 @@ enum em_status em_mill_cost_scene_with(const struct em_cost *cost, size_t count,
   const size_t own = cost->override_count;
   const char **list = calloc(own + count + 1, sizeof *list);
   *scene = NULL;
-  if (!list) return no_memory(err);
+  if (!list) return em_mill_cost_no_memory(err);
   for (size_t k = 0; k < own; k++)
     list[k] = cost->overrides[k];
   for (size_t k = 0; k < count; k++)

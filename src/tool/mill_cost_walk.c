@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "eventmill/sample.h"
+#include "tool/mill_cost.h"
 
 enum { COUNTS = EM_CLASS_COUNT * EM_TALLY_BINS };
 
@@ -19,16 +20,12 @@ double em_mill_cost_walk_clock(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static enum em_status no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-}
-
 static enum em_status resume(struct em_world **world, const struct em_snapshot *from,
                              const struct em_scene *scene, struct em_error *err) {
   const uint32_t n = from->count, blades = (uint32_t)em_scene_blade_count(scene);
   struct em_snapshot *s =
       em_world_snapshot_new(n, blades, em_scene_effects(scene) & EM_EFFECT_SPIN);
-  if (!s) return no_memory(err);
+  if (!s) return em_mill_cost_no_memory(err);
   s->epoch = from->epoch;
   s->clock = from->clock;
   memcpy(s->position, from->position, n * sizeof *s->position);
@@ -62,7 +59,8 @@ enum em_status em_mill_cost_walk_begin(struct em_walk *w, const struct em_snapsh
   w->precision = em_precision_new();
   w->vn = calloc(COUNTS, sizeof *w->vn);
   w->before = calloc(COUNTS, sizeof *w->before);
-  if (!w->balls || !w->speeds || !w->precision || !w->vn || !w->before) return no_memory(err);
+  if (!w->balls || !w->speeds || !w->precision || !w->vn || !w->before)
+    return em_mill_cost_no_memory(err);
   w->start = em_world_time(w->world);
   em_world_state(w->world, w->start, w->balls);
   w->energy = em_world_energy(w->world, w->balls);
@@ -95,7 +93,7 @@ static enum em_status book(struct em_walk *w, double time, struct em_error *err)
     w->vn[k] = now[k] - w->before[k];
   if (em_precision_add(w->precision, time, em_sample_median(w->speeds, w->balls->count),
                        work / time, w->vn, EM_CLASS_COUNT))
-    return no_memory(err);
+    return em_mill_cost_no_memory(err);
   return EM_OK;
 }
 

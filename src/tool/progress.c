@@ -17,7 +17,7 @@ struct em_progress {
   double next; /* s, wall clock */
 };
 
-static double clock_now(void) {
+double em_progress_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -27,7 +27,7 @@ struct em_progress *em_progress_new(bool quiet) {
   struct em_progress *progress = quiet ? NULL : calloc(1, sizeof *progress);
   if (!progress) return NULL;
   progress->terminal = isatty(STDERR_FILENO);
-  progress->next = clock_now() + (progress->terminal ? BAR_EVERY : LINE_EVERY);
+  progress->next = em_progress_clock() + (progress->terminal ? BAR_EVERY : LINE_EVERY);
   return progress;
 }
 
@@ -60,7 +60,7 @@ static void draw_bar(double whole, const char *left, const char *text) {
 
 void em_progress_show(struct em_progress *progress, const struct em_progress_state *state,
                       const char *text) {
-  const double now = progress ? clock_now() : 0.0;
+  const double now = progress ? em_progress_clock() : 0.0;
   if (!progress || now < progress->next) return;
   progress->next = now + (progress->terminal ? BAR_EVERY : LINE_EVERY);
   char left[32];

@@ -12,6 +12,9 @@ struct em_progress_state {
   double wall;     /* s since the work began */
 };
 
+/* s of the clock on the wall, from any beginning. */
+double em_progress_clock(void);
+
 /* quiet: shows nothing. NULL: no memory; all functions take NULL for quiet. */
 struct em_progress *em_progress_new(bool quiet);
 /* Shows where the work stands, when it is time to. text: a few words, no line break. */
