@@ -18,8 +18,9 @@ struct remedy {
   bool frictionless, elastic;
 };
 
-/* --- lists, cells: the usual ones are worked on in place, the others by call
- * ------------------------- */
+/* --- lists and cells -------------------------------------------------------------------------- */
+
+/* The usual ones are worked on in place, the others by call. */
 
 static inline uint32_t queue_first(struct em_world *w, double *time, uint32_t *rival) {
   return w->calendar ? em_calendar_first(w->queue, time, rival)

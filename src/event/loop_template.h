@@ -2,7 +2,16 @@
  * Before each inclusion LOOP is the suffix of its functions and LOOP_FLAGS the set of EM_LOOP_*;
  * what a set does not name is not compiled into it. Here is how events follow each other; when a
  * ball meets others is in loop_pairs.h, when it meets surfaces in loop_surfaces.h, and what a
- * contact does in loop_contacts.h. */
+ * contact does in loop_contacts.h.
+ *
+ *     run               takes the first event of all, again and again:
+ *       tidy            a bin of the calendar begins
+ *       cross           a ball leaves its place: predict_pairs with those who are new to it, settle
+ *       renew           a prediction is stale: predict
+ *       hit_ball        collide_pair, predict_two
+ *       hit_surface     collide_surface, predict
+ *     predict           predict_pairs, settle
+ *       settle          predict_surfaces, schedule */
 
 #define FN_JOIN(name, suffix) name##_##suffix
 #define FN_MAKE(name, suffix) FN_JOIN(name, suffix)

@@ -239,7 +239,12 @@ static void set_cells(struct em_world *w, struct em_places *p) {
 
 /* Rows are cut into tiles, each of one cache line where a cell has two slots: some cells, and at
  * both ends images of those that come before and after, so that any three side by side are in one
- * tile. No cell has two images, for a row of more than one tile has more than one in each. Returns
+ * tile. A row of 12 cells, with its images in brackets, of which the outermost are there where it
+ * is periodic:
+ *
+ *     (12) 1 2 3 4 5 6 (7)    (6) 7 8 9 10 11 12 (1)
+ *
+ * No cell has two images, for a row of more than one tile has more than one in each. Returns
  * how many cells that is. */
 static uint32_t set_row(const struct em_blocks_axis *row, ptrdiff_t *image) {
   const uint32_t n = (uint32_t)row->n, tiles = (n + TILE - 3) / (TILE - 2);
