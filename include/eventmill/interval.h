@@ -1,6 +1,7 @@
 /* Figures with confidence intervals, for independent values and for series that are correlated in
- * time. Sources: Reichardt 2005 (16-1 … 16-3); Flyvbjerg & Petersen 1989 (blocking) with the
- * stopping rule of Jonsson 2018; jackknife over blocks of time (Quenouille, Tukey). */
+ * time. Sources: Reichardt 2005 (16-1 … 16-3); Burg 1975 (autoregression), its order by Hurvich &
+ * Tsai 1989, its spectrum at frequency 0 by Berk 1974; jackknife over blocks of time (Quenouille,
+ * Tukey). */
 #ifndef EVENTMILL_INTERVAL_H
 #define EVENTMILL_INTERVAL_H
 
@@ -25,10 +26,10 @@ double em_interval_student(double level, double freedom);
 /* Mean of n independent values: half = t(P, n−1) σ/√n (16-3). */
 struct em_interval em_interval_mean(const double *x, size_t n, double level);
 
-/* Mean of n successive values of a stationary series: neighbours are averaged in pairs until the
- * averages are no longer correlated; what correlation the test let pass enlarges the error as in an
- * autoregressive series of first order. A series too short to tell has half = NAN (n < 2) or the
- * estimate of its longest blocks. */
+/* Mean of n successive values of a stationary series: its error follows from the autoregressive
+ * series that fits best, so that neither memory nor waves mislead it. Waves of which there are less
+ * than four, and memory of more than a tenth of the series, cannot be told well. half = NAN for n <
+ * 2. */
 struct em_interval em_interval_series(const double *x, size_t n, double level);
 
 /* A figure of the sum of blocks of successive counts, e.g. the median over the whole time. The

@@ -1,4 +1,5 @@
-/* Confidence intervals: Student's t, blocking of correlated series, jackknife over blocks. */
+/* Confidence intervals: Student's t, autoregression for correlated series, jackknife over blocks.
+ */
 #include "eventmill/interval.h"
 
 #include <gsl/gsl_cdf.h>
@@ -6,7 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEVELS = 60 };
+/* More successive values are averaged before they are looked at: memory of many values then takes
+ * no more orders than that of few. */
+enum { MOST_AVERAGES = 256 };
+/* A series that remembers more cannot be told from a drift. */
+static const double MOST_REFLECTION = 0.98;
+/* What cannot be predicted is rounding below this share of the variance. */
+static const double ROUNDING = 1e-14;
 
 double em_interval_student(double level, double freedom) {
   if (!(freedom >= 1.0) || !(level > 0.0) || !(level < 1.0)) return NAN;
@@ -20,11 +27,11 @@ static double mean_of(const double *x, size_t n) {
   return sum / (double)n;
 }
 
-/* Σ (x_i − m)(x_{i+lag} − m) / n */
-static double covariance(const double *x, size_t n, double mean, size_t lag) {
+/* Σ (x_i − m)² / n */
+static double variance_of(const double *x, size_t n, double mean) {
   double sum = 0.0;
-  for (size_t i = 0; i + lag < n; i++)
-    sum += (x[i] - mean) * (x[i + lag] - mean);
+  for (size_t i = 0; i < n; i++)
+    sum += (x[i] - mean) * (x[i] - mean);
   return sum / (double)n;
 }
 
@@ -37,62 +44,90 @@ struct em_interval em_interval_mean(const double *x, size_t n, double level) {
   const double mean = mean_of(x, n);
   if (n < 2) return unknown(mean);
   const double freedom = (double)n - 1.0;
-  const double error = sqrt(covariance(x, n, mean, 0) / freedom);
+  const double error = sqrt(variance_of(x, n, mean) / freedom);
   return (struct em_interval){mean, em_interval_student(level, freedom) * error, error, freedom,
                               1.0};
 }
 
-/* One stage of blocking: its number of averages, their variance, what is left of correlation
- * between neighbours (not below 0; its bias −1/n taken out), and Jonsson's statistic, which is χ²
- * with one degree of freedom when the averages are independent. */
-struct stage {
-  size_t n;
-  double variance, correlation, statistic;
+/* Burg's fit of an autoregressive series: forward and backward errors of prediction, n of them. */
+struct lattice {
+  size_t n, order;
+  double *ahead, *back;
+  double noise;  /* variance of what cannot be predicted */
+  double answer; /* Π (1 − k_j) over the reflections k_j: of the filter at frequency 0 */
+  double spread; /* 1ᵀ R⁻¹ 1 with the covariances R of `order` successive values */
 };
 
-static struct stage look(const double *x, size_t n) {
-  const double size = (double)n, mean = mean_of(x, n), s2 = covariance(x, n, mean, 0);
-  const double lag = covariance(x, n, mean, 1);
-  const double excess = (size - 1.0) * s2 / (size * size) + lag;
-  if (!(s2 > 0.0)) return (struct stage){n, s2, 0.0, 0.0};
-  const double correlation = fmin(fmax(lag / s2 + 1.0 / size, 0.0), 0.9);
-  return (struct stage){n, s2, correlation, size * excess * excess / (s2 * s2)};
+/* One order more. Knowing the mean from the series itself takes 1/n from the first reflection. */
+static void extend(struct lattice *l) {
+  double both = 0.0, all = 0.0;
+  for (size_t i = l->order + 1; i < l->n; i++) {
+    both += 2.0 * l->ahead[i] * l->back[i - 1];
+    all += l->ahead[i] * l->ahead[i] + l->back[i - 1] * l->back[i - 1];
+  }
+  double k = all > 0.0 ? both / all : 0.0;
+  if (l->order == 0) k += 1.0 / (double)l->n;
+  k = fmin(k, MOST_REFLECTION);
+  for (size_t i = l->n; i-- > l->order + 1;) {
+    const double ahead = l->ahead[i];
+    l->ahead[i] -= k * l->back[i - 1];
+    l->back[i] = l->back[i - 1] - k * ahead;
+  }
+  l->spread += l->answer * l->answer / l->noise;
+  l->answer *= 1.0 - k;
+  l->noise *= 1.0 - k * k;
+  l->order++;
 }
 
-/* The first stage after which all stages together look independent (99 %). */
-static size_t choose(const struct stage *stage, size_t stages) {
-  double sum = 0.0;
-  size_t chosen = stages - 1;
-  for (size_t k = stages; k-- > 0;) {
-    sum += stage[k].statistic;
-    if (sum < gsl_cdf_chisq_Pinv(0.99, (double)(stages - k))) chosen = k;
+/* Variance of the mean of n averages, and its degrees of freedom: n times it is the spectrum at
+ * frequency 0 of the autoregressive series (Berk 1974) whose order has the least AICc. `ahead`
+ * holds the averages less their mean, `back` the same; both are used up. */
+static double variance_of_mean(double *ahead, double *back, size_t n, double *freedom) {
+  const double size = (double)n, c0 = variance_of(ahead, n, 0.0);
+  *freedom = size - 1.0;
+  if (!(c0 > 0.0)) return 0.0;
+  struct lattice l = {n, 0, ahead, back, c0, 1.0, 0.0};
+  const size_t most = (size_t)fmin(size / 4.0, 10.0 * log10(size) + size / 20.0);
+  double least = INFINITY, variance = NAN;
+  while (l.order < most && (l.order == 0 || l.noise > ROUNDING * c0)) {
+    extend(&l);
+    const double p = (double)l.order, k = p + 2.0;
+    const double aicc =
+        size * log(l.noise) + 2.0 * k + 2.0 * k * (k + 1.0) / fmax(size - k - 1.0, 1.0);
+    if (!(aicc < least)) continue;
+    least = aicc;
+    const double square = l.answer * l.answer;
+    variance = l.noise / square / (size - p - 1.0);
+    /* relative variance of `variance`, from those of noise and answer */
+    const double relative = 2.0 / size + 4.0 * l.noise * l.spread / (size * square);
+    *freedom = fmax(fmin(3.0, size - 1.0), 2.0 / relative - 1.0);
   }
-  return chosen;
+  return variance;
+}
+
+/* Averages of `each` successive values, less their mean; what is left over comes first. */
+static void average(double *y, const double *x, size_t n, size_t count, size_t each) {
+  const size_t first = n - count * each;
+  for (size_t k = 0; k < count; k++)
+    y[k] = mean_of(x + first + k * each, each);
+  const double mean = mean_of(y, count);
+  for (size_t k = 0; k < count; k++)
+    y[k] -= mean;
 }
 
 struct em_interval em_interval_series(const double *x, size_t n, double level) {
-  if (n < 4) return em_interval_mean(x, n, level);
-  double *y = malloc(n * sizeof *y);
-  if (!y) return unknown(NAN);
-  memcpy(y, x, n * sizeof *y);
-  struct stage stage[LEVELS] = {look(y, n)};
-  size_t stages = 1;
-  for (size_t m = n / 2; m >= 4 && stages < LEVELS; m /= 2) {
-    for (size_t i = 0; i < m; i++)
-      y[i] = 0.5 * (y[2 * i] + y[2 * i + 1]);
-    stage[stages++] = look(y, m);
-  }
+  struct em_interval out = em_interval_mean(x, n, level);
+  if (n < 4) return out;
+  const size_t each = (n + MOST_AVERAGES - 1) / MOST_AVERAGES, count = n / each;
+  double *y = malloc(2 * count * sizeof *y);
+  if (!y) return unknown(out.value);
+  average(y, x, n, count, each);
+  memcpy(y + count, y, count * sizeof *y);
+  const double alone = out.error, variance = variance_of_mean(y, y + count, count, &out.freedom);
   free(y);
-  const struct stage *best = &stage[choose(stage, stages)];
-  /* The test may let a short series pass that still remembers: the factor of an AR(1) series. */
-  const double memory = (1.0 + best->correlation) / (1.0 - best->correlation);
-  const double variance = memory * best->variance / ((double)best->n - 1.0);
-  const double least = fmin(3.0, (double)best->n - 1.0);
-  const double freedom = fmax(least, (double)best->n / memory - 1.0);
-  const double alone = stage[0].variance / ((double)n - 1.0);
-  struct em_interval out = {mean_of(x, n), NAN, sqrt(variance), freedom, 1.0};
-  if (alone > 0.0) out.inefficiency = fmax(1.0, variance / alone);
-  out.half = em_interval_student(level, freedom) * out.error;
+  out.error = sqrt(variance);
+  if (alone > 0.0) out.inefficiency = fmax(1.0, variance / (alone * alone));
+  out.half = em_interval_student(level, out.freedom) * out.error;
   return out;
 }
 

@@ -188,6 +188,10 @@ bool em_precision_is_due(const struct em_precision *p) {
   return true;
 }
 
+/* Degrees of freedom that an error has by EM_PRECISION_LEAST independent values of a series that
+ * remembers: half of them. One that sways has fewer, however little its mean does. */
+static const double LEAST_FREEDOM = EM_PRECISION_LEAST / 2 - 1;
+
 bool em_precision_judge(const struct em_precision *p, const struct em_precision_target *target,
                         size_t count, struct em_precision_found *found) {
   const size_t blocks = complete(p);
@@ -195,7 +199,8 @@ bool em_precision_judge(const struct em_precision *p, const struct em_precision_
   for (size_t k = 0; k < count; k++) {
     const struct em_precision_target *t = &target[k];
     const struct em_interval f = em_precision_figure(p, blocks, t->kind, t->above, 0.95);
-    const bool trusted = (double)blocks >= EM_PRECISION_LEAST * f.inefficiency;
+    const bool trusted =
+        (double)blocks >= EM_PRECISION_LEAST * f.inefficiency && f.freedom >= LEAST_FREEDOM;
     const bool narrow = f.value != 0.0 && f.half <= t->wanted * fabs(f.value);
     found[k] = (struct em_precision_found){f, trusted && narrow};
     all = all && found[k].reached;

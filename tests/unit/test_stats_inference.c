@@ -40,7 +40,7 @@ static void autoregressive(double *x, size_t n, double phi) {
   }
 }
 
-static void blocking_knows_the_error_of_ar1(void **state) {
+static void series_know_the_error_of_ar1(void **state) {
   (void)state;
   enum { N = 4000, RUNS = 300 };
   static double x[N];
@@ -63,6 +63,52 @@ static void blocking_knows_the_error_of_ar1(void **state) {
     /* the formula for independent values would be wrong by √((1+φ)/(1−φ)) */
     if (phi == 0.9) assert_true(em_interval_mean(x, N, 0.95).error < 0.3 * truth);
   }
+}
+
+/* What sways and comes back, as balls in a drum do, is no error of the mean: a wave of 4.6, 10.7
+ * and 24.6 values, three times as strong as noise with a memory, adds next to nothing. */
+static void waves_are_no_error(void **state) {
+  (void)state;
+  enum { N = 256, RUNS = 200 };
+  static double x[N];
+  const double periods[] = {4.6, 10.7, 24.6}, phi = 0.6;
+  for (int k = 0; k < 3; k++) {
+    double square = 0.0, mean_square = 0.0, inside = 0.0;
+    gsl_rng_set(rng, 17);
+    for (int r = 0; r < RUNS; r++) {
+      const double phase = 2.0 * M_PI * gsl_rng_uniform(rng);
+      double wave = 0.0;
+      autoregressive(x, N, phi);
+      for (int i = 0; i < N; i++) {
+        const double w = 3.0 * M_SQRT2 / 0.8 * sin(2.0 * M_PI * i / periods[k] + phase);
+        x[i] += w;
+        wave += w / N;
+      }
+      const struct em_interval i = em_interval_series(x, N, 0.95);
+      const double off = i.value - wave; /* without what is left of a period */
+      square += i.error * i.error / RUNS;
+      mean_square += off * off / RUNS;
+      inside += fabs(off) <= i.half;
+    }
+    assert_near(sqrt(square / mean_square), 1.0, 0.25);
+    assert_true(inside >= 0.85 * RUNS);
+  }
+}
+
+/* More values than are looked at one by one, with a memory as long as those of a tenth of them. */
+static void long_series(void **state) {
+  (void)state;
+  enum { N = 50000, RUNS = 40 };
+  double *x = malloc(N * sizeof *x), square = 0.0;
+  const double phi = 0.999, truth = 1.0 / (1.0 - phi) / sqrt(N);
+  gsl_rng_set(rng, 19);
+  for (int r = 0; r < RUNS; r++) {
+    autoregressive(x, N, phi);
+    const struct em_interval i = em_interval_series(x, N, 0.95);
+    square += i.error * i.error / RUNS;
+  }
+  assert_near(sqrt(square) / truth, 1.0, 0.15);
+  free(x);
 }
 
 static void student_and_simple_means(void **state) {
@@ -377,7 +423,9 @@ static void fits_refuse_nonsense(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(blocking_knows_the_error_of_ar1),
+      cmocka_unit_test(series_know_the_error_of_ar1),
+      cmocka_unit_test(waves_are_no_error),
+      cmocka_unit_test(long_series),
       cmocka_unit_test(student_and_simple_means),
       cmocka_unit_test(jackknife_covers),
       cmocka_unit_test(differences),
