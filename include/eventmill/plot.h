@@ -1,4 +1,5 @@
-/* Diagrams in one house style, drawn by gnuplot: curves and histograms, and maps of cells.
+/* Diagrams in one house style, drawn by gnuplot: curves and histograms, bars,
+ * and maps of cells.
  *
  * The ending of the path says what is written: .png, .svg, .pdf, or .gp for the gnuplot script with
  * its data, to be changed by hand. A file appears complete or not at all. */
@@ -16,8 +17,7 @@ enum em_plot_style {
   EM_PLOT_DASHED, /* the same, dashed: theory, limits */
   EM_PLOT_POINTS, /* x, y as dots; with `error`, as bars y ± error */
   EM_PLOT_BAND,   /* y ± error as a faint band around a line */
-  EM_PLOT_STEPS,  /* histogram: x holds count + 1 edges of bins, y the count heights of the bins */
-  EM_PLOT_BARS    /* x, y as upright bars, for a few categories or counts */
+  EM_PLOT_STEPS   /* histogram: x holds count + 1 edges of bins, y the count heights of the bins */
 };
 
 /* One curve. Points whose y is NaN leave a gap. Arrays stay the caller's. */
@@ -29,8 +29,8 @@ struct em_plot_series {
   const double *error;     /* half length of the error bar or band; NULL: none */
   int colour;              /* 1, 2, …: a colour of the house's cycle; 0: the next one */
   bool second_axis;        /* y belongs to the right axis */
-  const char *const *text; /* for POINTS: written beside each; NULL: nothing */
-  const int *text_line;    /* how many lines below the point; NULL: beside it */
+  const char *const *text; /* for POINTS within given ranges: written beside each, where no other
+                              text or point is; NULL: nothing */
 };
 
 /* A line across the diagram, at a threshold or a quartile. */
@@ -53,10 +53,24 @@ struct em_plot {
   const struct em_plot_series *series;
   size_t mark_count;
   const struct em_plot_mark *mark;
-  const char *const *category; /* for BARS: names at x = 0, 1, …; NULL: numbers */
+  const char *const *category; /* names at x = 0, 1, …; NULL: numbers */
   size_t category_count;
   bool key_left;     /* legend at the top left instead of the top right */
   int width, height; /* pixels; 0: 1200 × 750 */
+};
+
+/* Lying bars from a base to the figures of named things, from the top down, each figure written at
+ * its bar's end. Where figures differ much, their axis is logarithmic. Those that are NaN are not
+ * drawn. */
+struct em_plot_bars {
+  const char *title, *subtitle;
+  const char *x_label;
+  double base;
+  size_t count;
+  const char *const *name;
+  const double *value;
+  const double *low, *high; /* a range, drawn on the bar */
+  const char *range_name;   /* in the legend; NULL: not there */
 };
 
 /* One cell of a map: a rectangle [low, high] of the plane, or, in a polar map, the part of a ring
@@ -84,6 +98,10 @@ struct em_plot_map {
 /* Draws a diagram. Errors: EM_INPUT (nothing to draw, unknown ending), EM_FILE (cannot be written),
  * EM_PICTURE (gnuplot is missing or failed; its message is in err). */
 enum em_status em_plot_draw(const struct em_plot *plot, const char *path, struct em_error *err);
+
+/* Draws bars; errors as above. */
+enum em_status em_plot_bars(const struct em_plot_bars *bars, const char *path,
+                            struct em_error *err);
 
 /* Draws a map; errors as above. */
 enum em_status em_plot_map(const struct em_plot_map *map, const char *path, struct em_error *err);

@@ -70,6 +70,29 @@ void em_gnuplot_string(struct em_gnuplot *script, const char *text) {
   fputc('\'', script->out);
 }
 
+/* A tic's label is a format: each % has to be two. */
+static const char *without_format(const char *label, char *text, size_t size) {
+  size_t n = 0;
+  for (const char *c = label; *c != '\0' && n + 2 < size; c++) {
+    if (*c == '%') text[n++] = '%';
+    text[n++] = *c;
+  }
+  text[n] = '\0';
+  return text;
+}
+
+void em_gnuplot_names(struct em_gnuplot *script, const char *axis, const char *const *name,
+                      size_t count) {
+  fprintf(script->out, "set %stics (", axis);
+  for (size_t k = 0; k < count; k++) {
+    char text[256];
+    if (k > 0) fputs(", ", script->out);
+    em_gnuplot_string(script, without_format(name[k], text, sizeof text));
+    fprintf(script->out, " %zu", k);
+  }
+  fputs(") scale 0 noenhanced\n", script->out);
+}
+
 void em_gnuplot_title(struct em_gnuplot *script, const char *title, const char *subtitle) {
   const char *text[2] = {title, subtitle};
   static const char *const look[2] = {

@@ -2,6 +2,7 @@
 #ifndef EM_DRAW_GNUPLOT_H
 #define EM_DRAW_GNUPLOT_H
 
+#include <stddef.h>
 #include <stdio.h>
 
 #include "eventmill/error.h"
@@ -20,6 +21,10 @@ enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int
 
 /* Writes a text as a gnuplot string: taken literally, on one line. NULL is empty. */
 void em_gnuplot_string(struct em_gnuplot *script, const char *text);
+
+/* Names instead of numbers at 0, 1, … of an axis ("x", "y"). */
+void em_gnuplot_names(struct em_gnuplot *script, const char *axis, const char *const *name,
+                      size_t count);
 
 /* Title and subtitle above the diagram. */
 void em_gnuplot_title(struct em_gnuplot *script, const char *title, const char *subtitle);

@@ -4,9 +4,10 @@
 #include <math.h>
 
 #include "draw/gnuplot.h"
+#include "draw/plot_texts.h"
 #include "eventmill/colour.h"
 
-static const uint8_t *colour_of(const struct em_plot *plot, size_t k) {
+const uint8_t *em_plot_colour(const struct em_plot *plot, size_t k) {
   unsigned next = 0;
   for (size_t j = 0; j < k; j++)
     if (plot->series[j].colour == 0) next++;
@@ -83,31 +84,6 @@ static void write_marks(struct em_gnuplot *g, const struct em_plot *plot) {
   }
 }
 
-/* The words beside the points of a series. */
-static void write_texts(struct em_gnuplot *g, const struct em_plot *plot, size_t k) {
-  const struct em_plot_series *s = &plot->series[k];
-  const uint8_t *c = colour_of(plot, k);
-  for (size_t j = 0; s->text != NULL && j < s->count; j++) {
-    fputs("set label ", g->out);
-    em_gnuplot_string(g, s->text[j]);
-    fprintf(g->out,
-            " at first %.9g, first %.9g left offset 1,%d font ',10' textcolor rgb '#%02x%02x%02x' "
-            "noenhanced front\n",
-            s->x[j], s->y[j], s->text_line != NULL ? -s->text_line[j] : 0, c[0], c[1], c[2]);
-  }
-}
-
-/* A tic's label is a format: each % has to be two. */
-static const char *without_format(const char *label, char *text, size_t size) {
-  size_t n = 0;
-  for (const char *c = label; *c != '\0' && n + 2 < size; c++) {
-    if (*c == '%') text[n++] = '%';
-    text[n++] = *c;
-  }
-  text[n] = '\0';
-  return text;
-}
-
 static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   bool second = false;
   for (size_t k = 0; k < plot->series_count; k++)
@@ -123,25 +99,17 @@ static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
   }
   if (plot->key_left) fputs("set key top left Left reverse\n", g->out);
   if (plot->category_count > 0) {
-    fputs("set xtics (", g->out);
-    for (size_t k = 0; k < plot->category_count; k++) {
-      char text[256];
-      if (k > 0) fputs(", ", g->out);
-      em_gnuplot_string(g, without_format(plot->category[k], text, sizeof text));
-      fprintf(g->out, " %zu", k);
-    }
-    fprintf(g->out, ") scale 0 noenhanced\nset xrange [-0.6:%g]\n",
-            (double)plot->category_count - 0.4);
+    em_gnuplot_names(g, "x", plot->category, plot->category_count);
+    fprintf(g->out, "set xrange [-0.6:%g]\n", (double)plot->category_count - 0.4);
   }
   write_marks(g, plot);
-  for (size_t k = 0; k < plot->series_count; k++)
-    write_texts(g, plot, k);
+  em_plot_texts(g, plot);
 }
 
 /* One or two layers: what is filled below what is drawn. */
 static void write_curve(struct em_gnuplot *g, const struct em_plot *plot, size_t k, double ground) {
   const struct em_plot_series *s = &plot->series[k];
-  const uint8_t *c = colour_of(plot, k);
+  const uint8_t *c = em_plot_colour(plot, k);
   const char *axes = s->second_axis ? "axes x1y2 " : "";
   const double solid = plot->series_count > 2 ? 0.07 : 0.18;
   char colour[24];
@@ -161,8 +129,6 @@ static void write_curve(struct em_gnuplot *g, const struct em_plot *plot, size_t
     fprintf(g->out, ":3 %swith yerrorbars pt 7 ps 0.8 lw 1.4 %s", axes, colour);
   else if (s->style == EM_PLOT_POINTS)
     fprintf(g->out, " %swith points pt 7 ps 0.8 %s", axes, colour);
-  else if (s->style == EM_PLOT_BARS)
-    fprintf(g->out, " %swith boxes fs solid 0.85 noborder %s", axes, colour);
   else
     fprintf(g->out, " %swith lines lw %g %s%s", axes, s->style == EM_PLOT_STEPS ? 1.5 : 2.0, colour,
             s->style == EM_PLOT_DASHED ? " dt (12,6)" : "");
@@ -196,7 +162,7 @@ enum em_status em_plot_draw(const struct em_plot *plot, const char *path, struct
   for (size_t k = 0; k < plot->series_count; k++)
     write_data(g.out, plot, k, ground);
   write_frame(&g, plot);
-  fprintf(g.out, "set boxwidth 0.6 absolute\nplot ");
+  fputs("plot ", g.out);
   for (size_t k = 0; k < plot->series_count; k++) {
     if (k > 0) fputs(", ", g.out);
     write_curve(&g, plot, k, ground);

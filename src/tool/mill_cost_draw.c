@@ -39,9 +39,6 @@ static bool is_family(const char *a, const char *b) {
   return n == strcspn(b, " ") && strncmp(a, b, n) == 0;
 }
 
-/* The colour of ranges, on bars of others. */
-enum { DARK = 8 };
-
 /* Where errors of 0 lie, on the axis of logarithms. */
 static const double LOWEST = 1e-22;
 
@@ -51,32 +48,26 @@ struct cloud {
   double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS];
   char text[EM_COST_VARIANTS][96];
   const char *texts[EM_COST_VARIANTS];
-  int line[EM_COST_VARIANTS];
   struct em_plot_series series[EM_COST_VARIANTS];
 };
+
+/* Adds ", misses 2e6": so many in 1e9 flights. */
+static void add_count(char *text, size_t size, const char *what, uint64_t n, uint64_t flights) {
+  char number[16];
+  int digit = 0, power = 0;
+  if (n == 0) return;
+  snprintf(number, sizeof number, "%.0e", 1e9 * (double)n / (double)flights);
+  sscanf(number, "%de%d", &digit, &power);
+  const size_t used = strlen(text);
+  snprintf(text + used, size - used, ", %s %de%d", what, digit, power);
+}
 
 /* Its name, whether it has no error at all, and whether it loses or invents contacts. */
 static void describe(char *text, size_t size, const struct em_cost_result *r) {
   const struct em_cost_flights *f = &r->flights;
-  const double scale = 1e9 / (double)f->flights;
-  int n = snprintf(text, size, f->rms > 0.0 ? "%s" : "%s: error 0", r->variant.name);
-  if (f->missed)
-    n += snprintf(text + n, size - (size_t)n, ", misses %.0e", scale * (double)f->missed);
-  if (f->invented)
-    snprintf(text + n, size - (size_t)n, ", invents %.0e", scale * (double)f->invented);
-}
-
-/* Texts of points that lie close together go below them, one under the other. */
-static void set_lines(struct cloud *c) {
-  for (size_t n = 0; n < c->count; n++) {
-    int before = 0, near = 0;
-    for (size_t k = 0; k < c->count; k++) {
-      if (fabs(log10(c->y[k] / c->y[n])) > 0.4 || fabs(log10(c->x[k] / c->x[n])) > 0.3) continue;
-      near++;
-      before += k < n;
-    }
-    c->line[n] = near > 1 ? 1 + before : 0;
-  }
+  snprintf(text, size, f->rms > 0.0 ? "%s" : "%s: error 0", r->variant.name);
+  add_count(text, size, "misses", f->missed, f->flights);
+  add_count(text, size, "invents", f->invented, f->flights);
 }
 
 static void gather_points(struct cloud *c, const struct em_cost *cost) {
@@ -92,17 +83,13 @@ static void gather_points(struct cloud *c, const struct em_cost *cost) {
     describe(c->text[n], sizeof c->text[n], r);
     c->texts[n] = c->text[n];
     if (!is_family(before, r->variant.name)) {
-      c->series[c->families++] = (struct em_plot_series){.style = EM_PLOT_POINTS,
-                                                         .x = &c->x[n],
-                                                         .y = &c->y[n],
-                                                         .text = &c->texts[n],
-                                                         .text_line = &c->line[n]};
+      c->series[c->families++] = (struct em_plot_series){
+          .style = EM_PLOT_POINTS, .x = &c->x[n], .y = &c->y[n], .text = &c->texts[n]};
       before = r->variant.name;
     }
     c->series[c->families - 1].count++;
     c->count++;
   }
-  set_lines(c);
 }
 
 static enum em_status draw_accuracy(const struct em_cost *cost, const char *prefix,
@@ -131,59 +118,44 @@ static enum em_status draw_accuracy(const struct em_cost *cost, const char *pref
   return draw(cost, &plot, prefix, ACCURACY, err);
 }
 
-/* Bars with numbers, whose names stand in the legend; on each the range of its turns. */
+/* The variants of one table, each with the range of its turns. */
 struct bars {
   size_t count;
-  double x[EM_COST_VARIANTS], y[EM_COST_VARIANTS], middle[EM_COST_VARIANTS], half[EM_COST_VARIANTS];
-  double low, high; /* of all */
-  char label[EM_COST_VARIANTS][96], number[EM_COST_VARIANTS][8];
-  const char *numbers[EM_COST_VARIANTS];
-  struct em_plot_series series[EM_COST_VARIANTS + 1];
+  const char *name[EM_COST_VARIANTS];
+  double value[EM_COST_VARIANTS], low[EM_COST_VARIANTS], high[EM_COST_VARIANTS];
 };
 
 static void gather_bars(struct bars *b, const struct em_cost *cost, enum em_cost_group group) {
   for (size_t k = 0; k < cost->count; k++) {
     const struct em_cost_result *r = &cost->result[k];
-    const size_t n = b->count;
     if (r->variant.group != group || !r->measured || r->failed || !isfinite(r->time)) continue;
-    b->x[n] = (double)n;
-    b->y[n] = 100.0 * (r->time - 1.0);
-    b->middle[n] = 100.0 * (0.5 * (r->time_low + r->time_high) - 1.0);
-    b->half[n] = 50.0 * (r->time_high - r->time_low);
-    b->low = fmin(b->low, b->middle[n] - b->half[n]);
-    b->high = fmax(b->high, b->middle[n] + b->half[n]);
-    snprintf(b->number[n], sizeof b->number[n], "%zu", n + 1);
-    snprintf(b->label[n], sizeof b->label[n], "%zu  %s", n + 1, r->variant.name);
-    b->series[n] = (struct em_plot_series){
-        .name = b->label[n], .style = EM_PLOT_BARS, .count = 1, .x = &b->x[n], .y = &b->y[n]};
-    b->numbers[n] = b->number[n];
-    b->count++;
+    b->name[b->count] = r->variant.name;
+    b->value[b->count] = r->time;
+    b->low[b->count] = r->time_low;
+    b->high[b->count++] = r->time_high;
   }
-  b->series[b->count] = (struct em_plot_series){.name = "turns, one by one",
-                                                .style = EM_PLOT_POINTS,
-                                                .count = b->count,
-                                                .x = b->x,
-                                                .y = b->middle,
-                                                .error = b->half,
-                                                .colour = DARK};
 }
 
 static enum em_status draw_bars(const struct em_cost *cost, const char *prefix,
                                 enum picture picture, enum em_cost_group group, const char *title,
-                                const char *y_label, struct em_error *err) {
+                                const char *x_label, struct em_error *err) {
   struct bars b = {0};
+  char path[EM_COST_PICTURE_PATH], subtitle[256];
   gather_bars(&b, cost, group);
   if (b.count == 0) return leave_out(prefix, picture, "none of its variants is measured");
-  struct em_plot plot = {.title = title,
-                         .y_label = y_label,
-                         .y_low = 1.1 * b.low - 1.0, /* room for the legend above the bars */
-                         .y_high = b.high + 1.2 * (b.high - b.low) + 5.0,
-                         .series_count = b.count + 1,
-                         .series = b.series,
-                         .category = b.numbers,
-                         .category_count = b.count,
-                         .width = 1400};
-  return draw(cost, &plot, prefix, picture, err);
+  em_mill_cost_draw_path(prefix, picture, path);
+  em_plot_subtitle(cost->scene, subtitle, sizeof subtitle);
+  const struct em_plot_bars bars = {.title = title,
+                                    .subtitle = subtitle,
+                                    .x_label = x_label,
+                                    .base = 1.0,
+                                    .count = b.count,
+                                    .name = b.name,
+                                    .value = b.value,
+                                    .low = b.low,
+                                    .high = b.high,
+                                    .range_name = "turns, one by one"};
+  return em_plot_bars(&bars, path, err);
 }
 
 static enum em_status draw_statistics(const struct em_cost *cost, const char *prefix,
@@ -231,10 +203,10 @@ enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
   enum em_status status = draw_accuracy(cost, prefix, err);
   if (!status)
     status = draw_bars(cost, prefix, EFFECTS, EM_COST_EFFECT, "Effects against time",
-                       "computing time against the scene as it is  [%]", err);
+                       "computing time, the scene as it is = 1", err);
   if (!status)
     status = draw_bars(cost, prefix, RECORDING, EM_COST_RECORDING, "Recording against time",
-                       "computing time against a run that writes nothing but its end  [%]", err);
+                       "computing time, a run that writes nothing but its end = 1", err);
   if (!status) status = draw_statistics(cost, prefix, err);
   return status;
 }

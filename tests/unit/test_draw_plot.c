@@ -35,7 +35,7 @@ static void all_styles_are_drawn(void **state) {
       {.style = EM_PLOT_POINTS, .count = 4, .x = edge, .y = height, .error = error},
       {.name = "band", .style = EM_PLOT_BAND, .count = 4, .x = edge, .y = gap, .error = error},
       {.name = "steps", .style = EM_PLOT_STEPS, .count = 4, .x = edge, .y = gap},
-      {.style = EM_PLOT_BARS, .count = 4, .x = edge, .y = height, .second_axis = true},
+      {.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = height, .second_axis = true},
   };
   const struct em_plot_mark mark[] = {{.at = 2.0, .name = "here"}, {.at = 1.0, .horizontal = true}};
   struct em_plot plot = {.title = "all", .series = all, .mark = mark, .mark_count = 2};
@@ -103,6 +103,97 @@ static void scripts_can_be_run(void **state) {
   assert_int_equal(h, 200);
   assert_int_equal(em_plot_draw(&plot, draw_path("s.svg"), &err), EM_OK);
   assert_int_equal(em_plot_draw(&plot, draw_path("s.pdf"), &err), EM_OK);
+}
+
+/* Finds the label in a script, "set label 'TEXT' at screen X, screen Y left", from *from on. */
+static bool next_label(const char **from, const char *text, double *x, double *y, char *side) {
+  char start[64];
+  snprintf(start, sizeof start, "set label '%s' at screen ", text);
+  *from = strstr(*from, start);
+  if (*from == NULL) return false;
+  *from += strlen(start);
+  return sscanf(*from, "%lf, screen %lf %c", x, y, side) == 3;
+}
+
+static char *read_script(const char *path) {
+  char *text = calloc(1, 1 << 16);
+  FILE *file = fopen(path, "r");
+  assert_non_null(file);
+  assert_true(fread(text, 1, (1 << 16) - 1, file) > 0);
+  fclose(file);
+  return text;
+}
+
+/* Many points in one place: their words lie beside one another, none on a point, all inside. */
+static void words_do_not_overlap(void **state) {
+  enum { N = 14, LETTERS = 12 };
+  double x[N], y[N], at[N][2], width = 6.2 * LETTERS / 1200.0, line = 15.0 / 750.0;
+  const char *text[N];
+  struct em_error err = {0};
+  (void)state;
+  for (int k = 0; k < N; k++) {
+    x[k] = 1.0 + 0.01 * (k % 5);
+    y[k] = pow(10.0, -5.0 - 0.05 * (k % 3));
+    text[k] = "twelve chars";
+  }
+  const struct em_plot_series s = {
+      .style = EM_PLOT_POINTS, .count = N, .x = x, .y = y, .text = text};
+  const struct em_plot plot = {.log_x = true,
+                               .log_y = true,
+                               .x_low = 0.8,
+                               .x_high = 100.0,
+                               .y_low = 1e-20,
+                               .y_high = 1.0,
+                               .series_count = 1,
+                               .series = &s};
+  const char *path = draw_path("words.gp");
+  assert_int_equal(em_plot_draw(&plot, path, &err), EM_OK);
+  char *script = read_script(path), side;
+  const char *from = script;
+  for (int k = 0; k < N; k++) {
+    assert_true(next_label(&from, text[0], &at[k][0], &at[k][1], &side));
+    if (side == 'r') at[k][0] -= width;
+    assert_true(at[k][0] > 0.08 && at[k][0] + width < 0.98 && at[k][1] > 0.1 && at[k][1] < 0.87);
+    for (int j = 0; j < k; j++)
+      assert_true(fabs(at[k][0] - at[j][0]) > width || fabs(at[k][1] - at[j][1]) > line);
+  }
+  free(script);
+}
+
+/* One bar ten times as long as the others leaves them readable: by an axis of logarithms, and by
+ * their values. */
+static void bars_are_readable(void **state) {
+  static const char *const names[] = {"short", "it's 100 % long", "none", "less"};
+  double value[] = {1.05, 7.2, NAN, 0.9}, low[] = {1.0, 7.0, 1.0, 0.9},
+         high[] = {1.1, 7.5, 1.0, 0.95};
+  struct em_plot_bars bars = {.title = "bars",
+                              .x_label = "time",
+                              .base = 1.0,
+                              .count = 4,
+                              .name = names,
+                              .value = value,
+                              .low = low,
+                              .high = high,
+                              .range_name = "range"};
+  struct em_error err = {0};
+  unsigned w, h;
+  (void)state;
+  assert_int_equal(em_plot_bars(&bars, draw_path("bars.png"), &err), EM_OK);
+  png_size(draw_path("bars.png"), &w, &h);
+  assert_int_equal(w, 1200);
+  for (int even = 0; even < 2; even++) {
+    if (even) value[1] = low[1] = high[1] = 1.1;
+    assert_int_equal(em_plot_bars(&bars, draw_path("bars.gp"), &err), EM_OK);
+    char *script = read_script(draw_path("bars.gp"));
+    assert_true((strstr(script, "set logscale x") == NULL) == (even == 1));
+    assert_non_null(strstr(script, "set label '1.05' at first 1.1"));
+    assert_non_null(strstr(script, even ? "set label '1.10'" : "set label '7.20'"));
+    assert_null(strstr(script, "nan"));
+    assert_non_null(strstr(script, "'it''s 100 %% long' 1"));
+    free(script);
+  }
+  bars.count = 0;
+  assert_int_equal(em_plot_bars(&bars, draw_path("none.png"), &err), EM_INPUT);
 }
 
 static void maps_are_drawn(void **state) {
@@ -176,6 +267,8 @@ int main(void) {
       cmocka_unit_test(all_styles_are_drawn),
       cmocka_unit_test(texts_are_taken_literally),
       cmocka_unit_test(scripts_can_be_run),
+      cmocka_unit_test(words_do_not_overlap),
+      cmocka_unit_test(bars_are_readable),
       cmocka_unit_test(maps_are_drawn),
       cmocka_unit_test(bad_diagrams_are_refused),
       cmocka_unit_test(the_subtitle_tells_the_operating_point),
