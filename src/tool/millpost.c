@@ -42,7 +42,7 @@ static void print_help(FILE *out) {
   fprintf(out,
           "\n'millpost COMMAND --help' tells more, with examples. Tables go to standard output\n"
           "(--csv, --json for programs), pictures to -o FILE.png.\n"
-          "Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 a law is refuted.\n");
+          "Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 verify: does not pass.\n");
 }
 
 static void print_version(void) {

@@ -15,7 +15,7 @@ enum {
   EM_MILLPOST_DONE = 0,
   EM_MILLPOST_FAILED = 1,
   EM_MILLPOST_USAGE = 2,
-  EM_MILLPOST_REFUTED = 3
+  EM_MILLPOST_NOT_PASSED = 3
 };
 
 /* Each takes its own name as argv[0] and returns an exit code. */

@@ -21,7 +21,7 @@ static const char *const option_names[] = {"from", "to", "alpha", "anyway", "out
 static const struct em_millpost_help help = {
     .name = "verify",
     .arguments = "RUN",
-    .summary = "Holds a run against the laws of an ideal gas; exit code 3 when one is refuted.",
+    .summary = "Holds a run against the laws of an ideal gas; exit code 3 when it does not pass.",
     .details =
         "Speeds (Maxwell, with the parameter that the energy predicts), components (normal), "
         "positions\n"
@@ -31,10 +31,12 @@ static const struct em_millpost_help help = {
         "enough apart to be independent. Laws of collisions need record.collisions=true. Where a "
         "law\n"
         "need not hold (a turning rotor, ε < 1, places under gravity) or a run is too short to "
-        "test "
-        "it,\n"
-        "that is said instead; without the law of speeds the verdict is 'undecided'. With\n"
-        "-o FILE.png a diagram per law is written: FILE-speed.png, ...",
+        "test it,\n"
+        "that is said instead. With -o FILE.png a diagram per law is written: FILE-speed.png, "
+        "...\n\n"
+        "The verdict and the exit code: holds, 0; refuted, 3; undecided, 3: the law of speeds "
+        "applies,\n"
+        "but there are too few values to test it; no law applies, 0: there is nothing to verify.",
     .examples = "  mill run geometries/ideal-gas.cfg record.collisions=true -o gas.h5\n"
                 "  millpost verify gas.h5 -o gas.png\n"
                 "  millpost verify gas.h5 --alpha 0.01 --json",
@@ -262,7 +264,9 @@ static int conclude(struct trial *trial, bool conserved) {
   if (!refuted && decided)
     em_report_note(trial->report, "All %d tests hold (smallest p × number of tests above %g).",
                    trial->tests, trial->alpha);
-  return refuted ? EM_MILLPOST_REFUTED : EM_MILLPOST_DONE;
+  if (!refuted && !decided)
+    em_report_note(trial->report, "Not passed: a longer run tells more about the law of speeds.");
+  return refuted || !decided ? EM_MILLPOST_NOT_PASSED : EM_MILLPOST_DONE;
 }
 
 /* ---------------------------------------------------------------- diagrams */

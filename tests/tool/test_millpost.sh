@@ -13,6 +13,11 @@ agrees() { # FILE CODE COMMAND ...: python with `result` (parsed JSON of the com
   local file=$1 code=$2
   shift 2
   post "$@" --json >"$work/json" || return 1
+  is_true "$file" "$code"
+}
+
+is_true() { # FILE CODE: of what was printed last
+  local file=$1 code=$2
   /usr/bin/python3 - "$work/json" "$file" <<PY
 import json, sys
 import h5py, numpy as np
@@ -265,11 +270,13 @@ v, e = h["particles/balls/velocity/value"], h["eventmill/collisions/normal"]
 $1
 PY
 }
-verdict() { # VERDICT CODE COMMAND ...
-  local verdict=$1 code=$2
+verdict() { # VERDICT CODE RUN ...: exit code 0 says that the laws hold
+  local verdict=$1 code=$2 expected=3
   shift 2
-  agrees "$gas" "assert result['verdict'].split(':')[0] == '$verdict', result
-$code" verify "$@"
+  [ "$verdict" = holds ] && expected=0
+  post verify "$@" --json >"$work/json"
+  [ $? -eq $expected ] && is_true "$gas" "assert result['verdict'].split(':')[0] == '$verdict', result
+$code"
 }
 ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
 cat >"$work/loop.cfg" <<'CFG'
