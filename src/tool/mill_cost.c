@@ -189,9 +189,24 @@ static enum em_status try_only(struct em_cost *cost, struct em_error *err) {
                       all);
 }
 
-static enum em_status prepare(struct em_cost *cost, const struct options *o, struct em_error *err) {
+/* The scene, with messages about its own lines; from then on its text with all includes in place,
+ * which a file that is changed meanwhile does not change. */
+static enum em_status read_scene(struct em_cost *cost, struct em_error *err) {
+  struct em_scene_source source = {0};
   enum em_status status = em_scene_source_load(&cost->text, cost->path, err);
   if (!status) status = em_mill_cost_scene_with(cost, 0, NULL, &cost->scene, err);
+  if (!status) status = em_scene_source_join_whole(&source, cost->text, cost->path, err);
+  if (!status) {
+    free(cost->text);
+    cost->text = source.text;
+    source.text = NULL;
+  }
+  em_scene_source_free(&source);
+  return status;
+}
+
+static enum em_status prepare(struct em_cost *cost, const struct options *o, struct em_error *err) {
+  enum em_status status = read_scene(cost, err);
   if (status) return status;
   const double duration = cost->scene->duration;
   cost->steady = isnan(o->steady) ? fmin(0.5, 0.5 * duration) : o->steady;

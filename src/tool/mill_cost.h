@@ -49,7 +49,7 @@ struct em_cost_result {
 
 struct em_cost {
   const char *path; /* of the scene */
-  char *text;       /* in it */
+  char *text;       /* in it, with its includes in place */
   size_t override_count;
   const char *const *overrides;
   struct em_scene *scene;       /* as it is */

@@ -64,7 +64,8 @@ enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_re
   double least[KINDS] = {INFINITY, INFINITY, INFINITY, INFINITY}, low = INFINITY, high = 0.0;
   for (int r = 0; r < cost->rounds; r++) {
     double spent[KINDS];
-    for (int k = 0; k < KINDS; k++) {
+    for (int n = 0; n < KINDS; n++) {
+      const int k = r % 2 ? KINDS - 1 - n : n; /* forth and back: a drift of the machine cancels */
       const enum em_status status = run(cost, k >= FULL_START ? &result->variant : NULL,
                                         k % 2 ? cost->time : 0.0, &spent[k], err);
       if (status) return status;

@@ -151,6 +151,23 @@ check "it says so" grep -q "^interrupted: [0-9]* of [0-9]* variants are measured
 check "with what is measured" grep -q "^level standard,[0-9.]*,[0-9.]" "$work/stopped.csv"
 check "and leaves no file" equal "$(ls "$work/tmp")" ""
 
+# What the scene includes is changed while it is measured: all variants are those of its beginning.
+printf '@include "part.cfg"\n' >"$work/whole.cfg"
+cp "$gas" "$work/part.cfg"
+mkdir "$work/changed"
+TMPDIR=$work/changed "$mill" cost "$work/whole.cfg" balls.count=200 --steady 0.01 --time 0.5 --rounds 4 \
+  --flights 100 --only "collision table" -q >"$work/out" 2>"$work/err" &
+pid=$!
+for ((k = 0; k < 300; k++)); do
+  [ -n "$(ls "$work/changed")" ] && break
+  sleep 0.1
+done
+echo "nonsense" >"$work/part.cfg"
+wait $pid
+is "a scene that is changed while it is measured" 0 $?
+check "is the one of the beginning" grep -q "^collision table  *[-0-9.]" "$work/out"
+check "without an error" bash -c "! grep -q error: $work/out"
+
 # Two kinds of balls: left out, all are of one.
 cat >"$work/two.cfg" <<'END'
 chamber = { shape = "drum"; diameter = 0.146; length = 0.135; };
