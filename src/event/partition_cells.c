@@ -367,13 +367,6 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   p->count = w->count;
   p->plan = w->plan;
   set_cells(w, p);
-  if (!(p->room_m > 0.0)) {
-    free_places(p);
-    return em_error_set(err, EM_INPUT, w->scene->file, 0,
-                        "chamber.size: a periodic edge is too short for balls of %g m diameter; "
-                        "more than two diameters are needed",
-                        2.0 * w->largest);
-  }
   w->places = p;
   if (!take_arrays(w, p) || !fill(w, p)) {
     w->places = NULL;

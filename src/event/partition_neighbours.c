@@ -13,6 +13,7 @@
 #include "event/fetch.h"
 #include "event/partition.h"
 #include "event/shells.h"
+#include "event/span.h"
 #include "event/vectors.h"
 
 #define STRAIGHT 0.8  /* share of the skin for the straight part of a path */
@@ -388,23 +389,6 @@ static double skin_for(const struct em_world *w) {
   return fmin(1.0, w->blade_count ? 0.18 / cbrt(phi) : 0.177 / sqrt(phi));
 }
 
-/* In a periodic box the image that is nearest at a prediction has to be the one that is met: until
- * a ball leaves its shell it moves by two skins at the most, a pair by four. */
-static enum em_status fit_period(struct em_world *w, struct em_places *p, struct em_error *err) {
-  const double period[3] = {w->period.x, w->period.y, w->period.z};
-  for (int k = 0; k < 3; k++) {
-    if (period[k] <= 0.0) continue;
-    const double most = 0.245 * (0.5 * period[k] - 2.0 * w->largest);
-    if (most < 0.01 * w->largest)
-      return em_error_set(err, EM_INPUT, w->scene->file, 0,
-                          "chamber.size: a periodic edge of %g m is too short for balls of %g m "
-                          "diameter in neighbour lists; more than 2.05 diameters are needed",
-                          period[k], 2.0 * w->largest);
-    p->skin_most = fmin(p->skin_most, most);
-  }
-  return EM_OK;
-}
-
 static void free_places(struct em_places *p) {
   if (!p) return;
   for (int k = 0; k < LIST_CLASSES; k++)
@@ -497,12 +481,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   struct em_places *p = calloc(1, sizeof *p);
   if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
   p->count = w->count;
-  p->skin_most = skin_for(w) * 2.0 * w->largest;
-  const enum em_status status = fit_period(w, p, err);
-  if (status) {
-    free_places(p);
-    return status;
-  }
+  p->skin_most = fmin(skin_for(w) * 2.0 * w->largest, em_span_room(w));
   p->skin_least = 0.2 * p->skin_most;
   p->ahead = 0.7;
   p->few = 12;

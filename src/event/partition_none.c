@@ -55,11 +55,6 @@ static void free_places(struct em_places *p) {
 
 static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
   const double room = em_span_room(w);
-  if (!(room > 0.0))
-    return em_error_set(err, EM_INPUT, w->scene->file, 0,
-                        "chamber.size: a periodic edge is too short for balls of %g m diameter; "
-                        "more than two diameters are needed",
-                        2.0 * w->largest);
   struct em_places *p = calloc(1, sizeof *p);
   const bool periodic = room < INFINITY;
   if (p) {

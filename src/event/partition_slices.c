@@ -184,11 +184,6 @@ static enum em_status set_slices(struct em_world *w, struct em_places *p, struct
   p->low = w->low.y;
   p->width = extent / p->slices;
   p->room = em_span_room(w);
-  if (!(p->room > 0.0))
-    return em_error_set(err, EM_INPUT, w->scene->file, 0,
-                        "chamber.size: a periodic edge is too short for balls of %g m diameter; "
-                        "more than two diameters are needed",
-                        2.0 * w->largest);
   return EM_OK;
 }
 

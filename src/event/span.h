@@ -4,6 +4,7 @@
 #ifndef EVENTMILL_EVENT_SPAN_H
 #define EVENTMILL_EVENT_SPAN_H
 
+#include <assert.h>
 #include <math.h>
 
 #include "event/body.h"
@@ -38,13 +39,14 @@ static inline double em_span_image(double x, double c, double period) {
 
 /* How far (m) from a point a ball may stray in a periodic box so that of any other ball, which
  * strays as far, only the nearest image can be met: with two displacements of 2 × room
- * between prediction and contact, 4 room + 2 R < period / 2. INFINITY when no edge is periodic;
- * not above 0 when an edge is too short. */
+ * between prediction and contact, 4 room + 2 R < period / 2. INFINITY when no edge is periodic.
+ * Above 0, for a scene's periodic edges are long enough: see PERIOD_LEAST in scene_check.c. */
 static inline double em_span_room(const struct em_world *w) {
   double room = INFINITY;
   const double period[3] = {w->period.x, w->period.y, w->period.z};
   for (int k = 0; k < 3; k++)
     if (period[k] > 0.0) room = fmin(room, 0.24 * (0.5 * period[k] - 2.0 * w->largest));
+  assert(room > 0.0);
   return room;
 }
 

@@ -9,6 +9,13 @@
 /* The densest packing of equal balls: π/√18. */
 static const double DENSEST = 0.74048048969306;
 
+/* The least periodic edge, in diameters of the largest ball. Of the partner met last, what is
+ * within √1.001 diameters is the contact that has just been made (`pair` in event/loop_pairs.h);
+ * its next image is as far away as an edge less a diameter, far enough from 1 + √1.001 = 2.0005
+ * diameters on. The rest leaves balls places, 0.006 diameters wide, in which they meet nearest
+ * images only (em_span_room). */
+static const double PERIOD_LEAST = 2.05;
+
 static const char axis_name[] = "xyz";
 
 static double largest_diameter(const struct em_scene *scene) {
@@ -99,25 +106,38 @@ static void species_path(const struct em_scene *scene, size_t k, const char *ent
     snprintf(path, size, "balls.%s", entry);
 }
 
-/* The ball goes into the chamber; across a periodic boundary it meets each other ball once. */
+/* Each ball goes into the chamber between its walls. */
 static void check_diameter(struct em_scene_report *report, const struct em_scene *scene, size_t k) {
   const struct em_chamber *c = &scene->chamber;
-  double d = scene->species[k].diameter, largest = largest_diameter(scene);
+  double d = scene->species[k].diameter;
   bool drum = c->shape == EM_SHAPE_DRUM;
   double side[3] = {drum ? c->diameter : c->size.x, drum ? c->length : c->size.y,
                     drum ? c->diameter : c->size.z};
   char path[64];
   species_path(scene, k, "diameter", sizeof path, path);
   for (int i = drum ? 1 : 0; i < 3; ++i) {
-    bool periodic = !drum && c->periodic[i];
-    if (periodic ? d + largest > side[i] : d >= side[i]) {
-      em_scene_report_path(report, path,
-                           "%.4g m does not fit into the chamber's extent of %.4g m "
-                           "along %c, expected %s",
-                           d, side[i], axis_name[i],
-                           periodic ? "two balls to fit into a period" : "less");
-      return;
-    }
+    if ((!drum && c->periodic[i]) || d < side[i]) continue;
+    em_scene_report_path(report, path,
+                         "%.4g m does not fit into the chamber's extent of %.4g m along %c, "
+                         "expected less",
+                         d, side[i], axis_name[i]);
+    return;
+  }
+}
+
+/* Across a periodic boundary a ball meets each other ball once. */
+static void check_period(struct em_scene_report *report, const struct em_scene *scene) {
+  const struct em_chamber *c = &scene->chamber;
+  const double side[3] = {c->size.x, c->size.y, c->size.z};
+  double d = largest_diameter(scene);
+  for (int i = 0; i < 3; ++i) {
+    if (c->shape != EM_SHAPE_BOX || !c->periodic[i] || side[i] >= PERIOD_LEAST * d * (1.0 - 1e-9))
+      continue;
+    em_scene_report_path(report, "chamber.size",
+                         "the periodic edge of %.4g m along %c is too short for balls of %.4g m, "
+                         "expected at least %g diameters (%.4g m)",
+                         side[i], axis_name[i], d, PERIOD_LEAST, PERIOD_LEAST * d);
+    return;
   }
 }
 
@@ -213,6 +233,7 @@ void em_scene_check_all(struct em_scene_report *report, const struct em_scene *s
   check_periodic(report, scene);
   for (size_t k = 0; k < scene->species_count; ++k)
     check_diameter(report, scene, k);
+  check_period(report, scene);
   /* Balls that are far too large would find fault with every blade. */
   check_blades(report, scene, report->errors == before ? largest_diameter(scene) : 0.0);
   for (size_t k = 0; k < scene->species_count; ++k)

@@ -6,8 +6,8 @@
 #include "scene/scene_report.h"
 
 /* Reports blades that touch walls or each other, rotors in periodic boxes, balls that do not fit,
- * regions outside the chamber, drums with facets that turn or have ramps. The scene's entries are
- * in their ranges. */
+ * periodic edges too short for them, regions outside the chamber, drums with facets that turn or
+ * have ramps. The scene's entries are in their ranges. */
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene);
 
 #endif

@@ -413,6 +413,36 @@ static void test_few_contacts_in_a_short_period(void **unused) {
   }
 }
 
+/* Along the shortest edge there may be, 2.05 diameters, two balls meet by turns as each other's two
+ * images, at every 0.05 diameters of flight. */
+static void test_both_images(void **unused) {
+  (void)unused;
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [2.05, 9.0, 9.0]; periodic = true; }; gravity = "
+      "\"none\";"
+      "balls = { count = 2; diameter = 1.0; start = \"table\";"
+      "  table = ( [0.0, 1.0, 1.0, 1.0, 0.0, 0.0], [1.00005, 1.0, 1.0, 0.0, 0.0, 0.0] ); };" GAS;
+  static struct em_error err; /* large */
+  for (int k = 0; k < EM_PARTITION_COUNT; k++)
+    for (int l = 0; l < EM_LISTS_COUNT; l++) {
+      char how[2][64];
+      snprintf(how[0], sizeof how[0], "engine.partition=%s",
+               em_scene_partition_name((enum em_partition)k));
+      snprintf(how[1], sizeof how[1], "engine.lists=%s", em_scene_lists_name((enum em_lists)l));
+      const char *overrides[] = {how[0], how[1]};
+      struct em_scene *scene = NULL;
+      struct em_balls *balls = NULL;
+      struct em_world *w = NULL;
+      if (em_scene_parse(&scene, text, "images", 2, overrides, &err) ||
+          em_start_make(&balls, scene, NULL, NULL, &err) || em_world_new(&w, scene, balls, &err) ||
+          em_world_run(w, 1.0, NULL, &err))
+        fail_msg("%s", err.text);
+      em_start_free(balls);
+      assert_int_equal(em_world_collisions(w), 20);
+      close_world(w, scene);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
@@ -420,6 +450,7 @@ int main(void) {
       cmocka_unit_test(test_cells_get_roomy),
       cmocka_unit_test(test_too_many_slices),
       cmocka_unit_test(test_few_contacts_in_a_short_period),
+      cmocka_unit_test(test_both_images),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

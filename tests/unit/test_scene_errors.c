@@ -221,8 +221,14 @@ static void impossible_machines(void **state) {
        " along y, expected less"},
       {"chamber = { shape = \"box\"; size = [1, 1, 1]; periodic = true; };\n"
        "balls = ({ count = 1; diameter = 0.1; },\n{ count = 1; diameter = 0.6; });",
-       "bad.cfg:3: error: balls.1.diameter: 0.6 m does not fit into the chamber's extent of 1 m "
-       "along x, expected two balls to fit into a period"},
+       "bad.cfg:1: error: chamber.size: the periodic edge of 1 m along x is too short for balls of "
+       "0.6 m, expected at least 2.05 diameters (1.23 m)"},
+      {"balls = { count = 2; diameter = 0.5; };\n"
+       "chamber = { shape = \"box\"; size = [0.51, 1, 1.0249];\n"
+       "periodic = [false, false, true]; };",
+       "bad.cfg:2: error: chamber.size: the periodic edge of 1.025 m along z is too short for "
+       "balls "
+       "of 0.5 m, expected at least 2.05 diameters (1.025 m)"},
       {DRUM "balls = { count = 26000; diameter = 0.005; };",
        "bad.cfg:2: error: balls: 26000 balls would fill 0.753 of the chamber, expected at most"},
       {DRUM "balls = { count = 1000; diameter = 0.005;\n"
