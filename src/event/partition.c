@@ -19,7 +19,8 @@ static const struct em_partition_kind *fastest(const struct em_world *w) {
   const bool large = w->count >= EM_FETCH_FROM;
   double most = w->blade_count ? 0.2 : 0.36;
   if (wide || large) most = wide && large ? 0.6 : 0.4;
-  return alike && em_partition_fraction(w) < most ? &em_partition_cells : &em_partition_neighbours;
+  if (alike && em_partition_fraction(w) < most) return &em_partition_cells;
+  return em_partition_neighbours_fit(w) ? &em_partition_neighbours : &em_partition_cells;
 }
 
 const struct em_partition_kind *em_partition_find(const struct em_world *w) {

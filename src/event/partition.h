@@ -48,6 +48,9 @@ extern const struct em_partition_kind em_partition_cells;
 extern const struct em_partition_kind em_partition_slices;
 extern const struct em_partition_kind em_partition_none;
 
+/* Is single precision enough for the neighbours' shells in the chamber? */
+bool em_partition_neighbours_fit(const struct em_world *world);
+
 /* The one that the scene names, or the fastest for the world's balls. */
 const struct em_partition_kind *em_partition_find(const struct em_world *world);
 

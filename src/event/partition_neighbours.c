@@ -17,7 +17,9 @@
 #include "event/vectors.h"
 
 #define STRAIGHT 0.8  /* share of the skin for the straight part of a path */
+#define AHEAD    0.7  /* of the skin: how far before the ball a shell is placed */
 #define KEEP     0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
+#define NARROW   0.2  /* of the widest skin: the narrowest */
 
 enum {
   LIST_LEAST = 16,  /* a list's room is at least this, doubled when full, halved when it can be */
@@ -65,7 +67,7 @@ struct em_places {
   bool may_turn;
   double bend, bend_per_speed2; /* m/s², 1/m: see set_bend */
 
-  double skin_least, skin_most, ahead;
+  double skin_least, skin_most;
   uint32_t few, many; /* neighbours; beyond them the skin adapts */
 };
 
@@ -260,7 +262,7 @@ static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, dou
   if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
   const double speed2 = em_vec_norm2(v);
   struct shell *s = &p->of[i].shell;
-  const double ahead = speed2 > 0.0 ? p->ahead * (double)s->skin / sqrt(speed2) : 0.0;
+  const double ahead = speed2 > 0.0 ? AHEAD * (double)s->skin / sqrt(speed2) : 0.0;
   const struct em_vec c = em_body_wrap(w, em_vec_axpy(x, ahead, v));
   s->centre[0] = (float)c.x;
   s->centre[1] = (float)c.y;
@@ -389,6 +391,22 @@ static double skin_for(const struct em_world *w) {
   return fmin(1.0, w->blade_count ? 0.18 / cbrt(phi) : 0.177 / sqrt(phi));
 }
 
+/* In a periodic box the image that is nearest at a prediction has to be the one that is met: until
+ * a ball leaves its shell it moves by two skins at the most, a pair by four. */
+static double skin_most(const struct em_world *w) {
+  return fmin(skin_for(w) * 2.0 * w->largest, em_span_room(w));
+}
+
+/* Rounding of a shell's centre may take half of what its ball has left of the straight part. */
+static bool fits(const struct em_world *w, double most) {
+  const double least = NARROW * most, rounding = 0.5 * (STRAIGHT - AHEAD) * least;
+  return w->count == 0 || em_shells_resolve(w->low, w->high, rounding, least + w->smallest);
+}
+
+bool em_partition_neighbours_fit(const struct em_world *w) {
+  return fits(w, skin_most(w));
+}
+
 static void free_places(struct em_places *p) {
   if (!p) return;
   for (int k = 0; k < LIST_CLASSES; k++)
@@ -478,12 +496,18 @@ static bool renew(struct em_world *w) {
 }
 
 static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+  const double most = skin_most(w);
+  if (!fits(w, most))
+    return em_error_set(err, EM_INPUT, w->scene->file, 0,
+                        "engine.partition: \"neighbours\" keeps places in single precision, too "
+                        "coarse for skins of %.3g m in a chamber of %.3g m, expected \"auto\", "
+                        "\"cells\", \"slices\" or \"none\"",
+                        NARROW * most, em_vec_norm(em_vec_sub(w->high, w->low)));
   struct em_places *p = calloc(1, sizeof *p);
   if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
   p->count = w->count;
-  p->skin_most = fmin(skin_for(w) * 2.0 * w->largest, em_span_room(w));
-  p->skin_least = 0.2 * p->skin_most;
-  p->ahead = 0.7;
+  p->skin_most = most;
+  p->skin_least = NARROW * most;
   p->few = 12;
   p->many = 28;
   w->places = p;

@@ -2,6 +2,7 @@
 #include "event/shells.h"
 #include "event/vectors.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,6 +47,13 @@ static bool widen(struct em_shells *s) {
   s->block = block;
   s->room = room;
   return true;
+}
+
+bool em_shells_resolve(struct em_vec low, struct em_vec high, double rounding, double hull) {
+  const double far = hypot(hypot(fmax(fabs(low.x), fabs(high.x)), fmax(fabs(low.y), fabs(high.y))),
+                           fmax(fabs(low.z), fabs(high.z)));
+  return 0.5 * (double)FLT_EPSILON * far <= rounding && 4.0 * far * far <= (double)FLT_MAX &&
+         (double)FLT_EPSILON * hull * hull >= (double)FLT_MIN;
 }
 
 static void set_cells(struct em_shells *s, struct em_vec extent) {

@@ -32,6 +32,10 @@ struct em_shells {
   bool avx2;
 };
 
+/* In the box low … high, is a centre rounded by at most `rounding` (m), and is the square of any
+ * distance from `hull` (m) on a normal number, to all its digits? */
+bool em_shells_resolve(struct em_vec low, struct em_vec high, double rounding, double hull);
+
 /* Makes an empty grid for `count` shells in the box low … high, period 0 where it is not periodic.
  * A cell is at least as wide as two shells of hull_most reach. false: no memory. */
 bool em_shells_init(struct em_shells *s, uint32_t count, struct em_vec low, struct em_vec high,

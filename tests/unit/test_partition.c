@@ -443,6 +443,80 @@ static void test_both_images(void **unused) {
     }
 }
 
+/* --- neighbours in single precision ----------------------------------------------------------- */
+
+#define CORNER "region = { low = [2, 2, 2]; high = [8, 8, 8]; };"
+
+/* Balls of two sizes in the far corner of a cube that is `width` of the larger diameters wide. */
+static enum em_status open_corner(const char *partition, double width, double diameter,
+                                  struct em_scene **scene, struct em_world **w,
+                                  struct em_error *err) {
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [9, 9, 9]; };"
+      "gravity = \"none\"; engine = { skin = 0.2; };"
+      "balls = ( { name = \"large\"; count = 30; diameter = 1.0; " CORNER " },"
+      "          { name = \"small\"; count = 60; diameter = 0.5; " CORNER " } );" GAS;
+  static const char *const entry[] = {"chamber.size", "balls.region.low", "balls.region.high"};
+  const double at[] = {width * diameter, (width - 7.0) * diameter, (width - 1.0) * diameter};
+  char how[6][128];
+  const char *overrides[] = {partition, how[0], how[1], how[2], how[3], how[4], how[5]};
+  struct em_balls *balls = NULL;
+  for (size_t k = 0; k < 3; k++)
+    snprintf(how[k], sizeof how[k], "%s=[%.17g,%.17g,%.17g]", entry[k], at[k], at[k], at[k]);
+  snprintf(how[3], sizeof how[3], "balls.0.diameter=%.17g", diameter);
+  snprintf(how[4], sizeof how[4], "balls.1.diameter=%.17g", 0.5 * diameter);
+  snprintf(how[5], sizeof how[5], "balls.speed=%.17g", diameter);
+  if (em_scene_parse(scene, text, "corner", 7, overrides, err) ||
+      em_start_make(&balls, *scene, NULL, NULL, err))
+    fail_msg("%s", err->text);
+  const enum em_status status = em_world_new(w, *scene, balls, err);
+  em_start_free(balls);
+  return status;
+}
+
+static struct print run_corner(const char *partition, double width, double diameter) {
+  static struct em_error err; /* large */
+  struct em_scene *scene = NULL;
+  struct em_world *w = NULL;
+  struct print print = {0, 0};
+  if (open_corner(partition, width, diameter, &scene, &w, &err)) fail_msg("%s", err.text);
+  assert_int_equal(em_world_observe(w, &(struct em_observer){&print, see}), EM_OK);
+  if (em_world_run(w, 10.0, NULL, &err)) fail_msg("%s", err.text);
+  if (!em_world_is_valid(w, 1e-6 * w->smallest, &err)) fail_msg("%s", err.text);
+  close_world(w, scene);
+  return print;
+}
+
+/* With skins of 0.04 … 0.2 diameters they are resolved up to 19373 diameters, from 1.08e-15 m on.
+ * Beyond, they are refused, and auto takes cells. */
+static void test_single_precision(void **unused) {
+  (void)unused;
+  static const struct {
+    double width, diameter;
+    bool fits;
+  } cases[] = {{20.0, 1.0, true},    {19300.0, 1.0, true},  {19400.0, 1.0, false},
+               {1e8, 1.0, false},    {20.0, 1.1e-15, true}, {20.0, 1.05e-15, false},
+               {20.0, 1e-22, false}, {10.0, 5e17, true},    {10.0, 6e17, false}};
+  static struct em_error err; /* large */
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    const double width = cases[k].width, d = cases[k].diameter;
+    struct em_scene *scene = NULL;
+    struct em_world *w = NULL;
+    if (open_corner("engine.partition=auto", width, d, &scene, &w, &err)) fail_msg("%s", err.text);
+    assert_ptr_equal(w->partition_kind,
+                     cases[k].fits ? &em_partition_neighbours : &em_partition_cells);
+    close_world(w, scene);
+    const struct print expected = run_corner("engine.partition=none", width, d);
+    assert_true(expected.count > 50);
+    assert_int_equal(run_corner("engine.partition=auto", width, d).value, expected.value);
+    if (cases[k].fits) continue;
+    assert_int_equal(open_corner("engine.partition=neighbours", width, d, &scene, &w, &err),
+                     EM_INPUT);
+    assert_non_null(strstr(err.text, "engine.partition"));
+    em_scene_free(scene);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
@@ -451,6 +525,7 @@ int main(void) {
       cmocka_unit_test(test_too_many_slices),
       cmocka_unit_test(test_few_contacts_in_a_short_period),
       cmocka_unit_test(test_both_images),
+      cmocka_unit_test(test_single_precision),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
