@@ -89,6 +89,7 @@ struct em_world {
   bool fetches_close;       /* memory is asked for their candidates before they meet, */
   bool fetches_lists;       /* and for their lists before that */
   double early;             /* m before the end of its place that a ball may be moved on */
+  bool crosses_all;         /* when a ball leaves its place, all its candidates are found anew */
   const struct em_loop_kind *loop;
 
   struct em_observer *observer;

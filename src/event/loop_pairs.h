@@ -2,7 +2,8 @@
  * at a time, and the earliest of a ball's candidates. */
 
 /* When balls i and j touch, from their states at the later of their last real events. `now` only
- * chooses the periodic image. The pair that has just collided is left out. */
+ * chooses the periodic image. The contact that has just been made is left out; other images of that
+ * partner are further away (PERIOD_LEAST in scene_check.c). */
 static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
   const struct em_body *a = &w->body[i], *b = &w->body[j];
   const double tr = b->t > a->t ? b->t : a->t;

@@ -98,13 +98,15 @@ static void FN(moved)(struct em_world *w, uint32_t i) {
 }
 
 /* Ball i reaches the end of its place at the time `leave`. The images of others are those of `now`,
- * when these are in their places: until then a fast one may be elsewhere. */
+ * when these are in their places: until then a fast one may be elsewhere. Where all candidates are
+ * found anew, what was predicted of them goes: it would be kept once more. */
 static bool FN(cross)(struct em_world *w, uint32_t i, double leave, double now) {
   uint32_t n;
   const uint32_t *id = w->cells ? em_blocks_cross(w, i, leave, &n, WITH(GRAVITY), WITH(PERIODIC))
                                 : w->partition_kind->cross(w, i, leave, &n);
   w->tally.transfers++;
   if (!id && n) return false;
+  if (w->keeps_all && w->crosses_all) w->local_kind->clear(w->local, i);
   return FN(predict_pairs)(w, i, id, n, now, false) && FN(settle)(w, i, leave);
 }
 

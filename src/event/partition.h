@@ -23,7 +23,8 @@ struct em_partition_kind {
   /* Ball i moves along a new path since body[i].t: sets world.plan[i].leave. */
   void (*moved)(struct em_world *world, uint32_t i);
   /* Ball i reaches its leave time `now`, or will: re-places it, sets world.plan[i].leave > now
-   * where it can, and returns candidates that may be new (a superset of the new ones is allowed).
+   * where it can, and returns candidates that may be new (a superset of the new ones is allowed;
+   * where `make` has set world.crosses_all, all candidates).
    * Valid until the next call. NULL with *count > 0: no memory. */
   const uint32_t *(*cross)(struct em_world *world, uint32_t i, double now, uint32_t *count);
   /* A new epoch has begun: all times of the world, leave times too, have been moved back by its

@@ -374,6 +374,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   }
   if (p->near) set_near(w, p);
+  w->crosses_all = p->centre;
   *places = p;
   return EM_OK;
 }

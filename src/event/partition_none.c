@@ -69,6 +69,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the partition");
   }
   *places = w->places = p;
+  w->crosses_all = periodic;
   for (uint32_t i = 0; i < w->count; i++) {
     p->other[i] = p->position[i] = i;
     w->plan[i].near = UINT32_MAX;

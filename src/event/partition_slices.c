@@ -233,6 +233,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     return status ? status : em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the slices");
   }
   *places = w->places = p;
+  w->crosses_all = p->centre;
   fill(w, p);
   return EM_OK;
 }

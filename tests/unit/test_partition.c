@@ -443,6 +443,34 @@ static void test_both_images(void **unused) {
     }
 }
 
+/* Places are small where an edge is short, and balls leave thousands of them between two contacts;
+ * lists that keep all predictions grow no longer by that. */
+static void test_short_lists(void **unused) {
+  (void)unused;
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [2.1, 20.0, 20.0]; periodic = true; };"
+      "gravity = \"none\"; engine = { lists = \"all\"; };"
+      "balls = { count = 20; diameter = 1.0; speed = 1.0; };" GAS;
+  static struct em_error err; /* large */
+  for (int k = 0; k < EM_PARTITION_COUNT; k++) {
+    char how[64];
+    snprintf(how, sizeof how, "engine.partition=%s", em_scene_partition_name((enum em_partition)k));
+    const char *overrides[] = {how};
+    struct em_scene *scene = NULL;
+    struct em_balls *balls = NULL;
+    struct em_world *w = NULL;
+    if (em_scene_parse(&scene, text, "short", 1, overrides, &err) ||
+        em_start_make(&balls, scene, NULL, NULL, &err) || em_world_new(&w, scene, balls, &err))
+      fail_msg("%s", err.text);
+    em_start_free(balls);
+    const double bytes = em_world_bytes_of_events(w);
+    if (em_world_run(w, 0.99 * w->epoch_length, NULL, &err)) fail_msg("%s", err.text);
+    assert_true(em_world_tally(w)->transfers > 20000);
+    assert_true(em_world_bytes_of_events(w) <= 2.0 * bytes);
+    close_world(w, scene);
+  }
+}
+
 /* --- neighbours in single precision ----------------------------------------------------------- */
 
 #define CORNER "region = { low = [2, 2, 2]; high = [8, 8, 8]; };"
@@ -525,6 +553,7 @@ int main(void) {
       cmocka_unit_test(test_too_many_slices),
       cmocka_unit_test(test_few_contacts_in_a_short_period),
       cmocka_unit_test(test_both_images),
+      cmocka_unit_test(test_short_lists),
       cmocka_unit_test(test_single_precision),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
