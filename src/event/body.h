@@ -9,6 +9,7 @@
 #include "event/local.h"
 #include "event/plan.h"
 #include "event/queue.h"
+#include "event/ties.h"
 #include "event/vectors.h"
 #include "eventmill/world.h"
 
@@ -95,7 +96,7 @@ struct em_world {
   struct em_observer *observer;
   size_t observers;
   struct em_tally tally;
-  uint32_t *tied; /* scratch, count entries: balls whose events share one time */
+  struct em_ties ties;
 };
 
 /* The loop, compiled once per set of effects. */

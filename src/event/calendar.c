@@ -20,7 +20,7 @@ static void set_current(struct em_queue *q, int64_t current) {
 
 /* No ball stands anywhere. Bin 0 is of the ring, so that its number serves as none. */
 static void empty(struct em_queue *q) {
-  q->few = false;
+  q->few = q->crowd = false;
   q->standing = 0;
   q->due_count = 0;
   q->later_count = 0;
@@ -154,6 +154,8 @@ static void load(struct em_queue *q, uint32_t bin) {
   q->due_count = n;
 }
 
+/* ---- the due ---- */
+
 void em_calendar_close_up(struct em_queue *q) {
   q->due_count = 0;
   q->few = false;
@@ -166,13 +168,86 @@ void em_calendar_close_up(struct em_queue *q) {
 bool em_calendar_thin_out(struct em_queue *q) {
   if (q->due_count > EM_CALENDAR_FEW) return false;
   q->few = true;
+  q->crowd = false;
   q->standing = (1u << q->due_count) - 1u;
   return true;
 }
 
+/* Does a ball with that time come before the one at `place`? */
+static bool comes_before(const struct em_queue *q, uint32_t ball, double time, uint32_t place) {
+  return time < q->due_time[place] || (time == q->due_time[place] && ball < q->due[place]);
+}
+
+/* The ball takes `place`, or one farther from the top, where others come before it. */
+static void sink(struct em_queue *q, uint32_t place, uint32_t ball, double time) {
+  for (uint32_t down; (down = 2 * place + 1) < q->due_count; place = down) {
+    const uint32_t side = down + 1;
+    if (side < q->due_count && comes_before(q, q->due[side], q->due_time[side], down)) down = side;
+    if (comes_before(q, ball, time, down)) break;
+    em_calendar_put(q, place, q->due[down], q->due_time[down]);
+  }
+  em_calendar_put(q, place, ball, time);
+}
+
+void em_calendar_settle(struct em_queue *q, uint32_t place) {
+  const uint32_t ball = q->due[place];
+  const double time = q->due_time[place];
+  for (uint32_t up; place > 0; place = up) {
+    up = (place - 1) / 2;
+    if (!comes_before(q, ball, time, up)) break;
+    em_calendar_put(q, place, q->due[up], q->due_time[up]);
+  }
+  sink(q, place, ball, time);
+}
+
+void em_calendar_fill(struct em_queue *q, uint32_t place) {
+  const uint32_t last = q->due_count;
+  if (place == last) return;
+  em_calendar_put(q, place, q->due[last], q->due_time[last]);
+  em_calendar_settle(q, place);
+}
+
+static void crowd(struct em_queue *q) {
+  q->crowd = true;
+  for (uint32_t k = q->due_count / 2; k-- > 0;)
+    sink(q, k, q->due[k], q->due_time[k]);
+}
+
+void em_calendar_join(struct em_queue *q, uint32_t ball, double time) {
+  if (q->few) em_calendar_close_up(q);
+  em_calendar_put(q, q->due_count++, ball, time);
+  if (q->crowd)
+    em_calendar_settle(q, q->due_count - 1);
+  else if (q->due_count > EM_CALENDAR_LARGE)
+    crowd(q);
+}
+
+/* The first of a crowd: those at its time hang together at the top of the heap. */
+static uint32_t first_of_crowd(const struct em_queue *q, double *time, uint32_t *rival) {
+  uint32_t other = 0, equal = 1;
+  *time = q->due_time[0];
+  for (uint32_t k = 1; k < 7 && k < q->due_count; k++)
+    if (q->due_time[k] == *time) other = k, equal++;
+  *rival = equal > 2 ? EM_QUEUE_SEVERAL : q->due[other];
+  return q->due[0];
+}
+
+static size_t tied_in_crowd(const struct em_queue *q, uint32_t *ball) {
+  size_t found = 1;
+  ball[0] = q->due[0];
+  for (size_t n = 0; n < found; n++) {
+    const uint32_t down = 2 * q->plan[ball[n]].place + 1;
+    for (uint32_t k = down; k < down + 2 && k < q->due_count; k++)
+      if (q->due_time[k] == q->due_time[0]) ball[found++] = q->due[k];
+  }
+  return found;
+}
+
+/* ---- bins ---- */
+
 bool em_calendar_advance(struct em_queue *q) {
   em_calendar_catch_up(q);
-  q->few = false;
+  q->few = q->crowd = false;
   q->due_count = 0;
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
@@ -194,7 +269,7 @@ bool em_calendar_advance(struct em_queue *q) {
       k = next;
     } while (next);
   }
-  (void)em_calendar_thin_out(q);
+  if (!em_calendar_thin_out(q) && q->due_count > EM_CALENDAR_LARGE) crowd(q);
   return true;
 }
 
@@ -261,6 +336,7 @@ static uint32_t first(struct em_queue *q, double *time, uint32_t *rival) {
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival) {
   if (q->due_count > EM_CALENDAR_LARGE && (q->pressure += q->due_count) > 32 * (uint64_t)q->count)
     em_calendar_relieve(q);
+  if (q->crowd) return first_of_crowd(q, time, rival);
   double earliest = INFINITY;
   uint32_t least = EM_QUEUE_NOBODY, most = 0, equal = 0;
   for (uint32_t k = 0; k < q->due_count; k++)
@@ -277,17 +353,15 @@ uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival) {
   return least;
 }
 
-static size_t tied(struct em_queue *q, uint32_t *ball, size_t room) {
+static size_t tied(struct em_queue *q, uint32_t *ball) {
   double time;
   uint32_t rival;
   if (first(q, &time, &rival) == EM_QUEUE_NOBODY) return 0;
+  if (q->crowd) return tied_in_crowd(q, ball);
   if (q->few) em_calendar_close_up(q);
   size_t found = 0;
-  for (uint32_t k = 0; k < q->due_count; k++) {
-    if (q->due_time[k] != time) continue;
-    if (found < room) ball[found] = q->due[k];
-    found++;
-  }
+  for (uint32_t k = 0; k < q->due_count; k++)
+    if (q->due_time[k] == time) ball[found++] = q->due[k];
   return found;
 }
 
@@ -304,8 +378,10 @@ static bool due_is_valid(const struct em_queue *q) {
     if (ball >= q->count || q->plan[ball].place != place || q->due_time[place] != q->plan[ball].due)
       return false;
     if (!(em_calendar_bin(q, q->plan[ball].due) < q->due_end)) return false;
+    if (q->crowd && place > 0 && comes_before(q, ball, q->due_time[place], (place - 1) / 2))
+      return false;
   }
-  return q->few || q->standing == 0;
+  return q->few ? !q->crowd : q->standing == 0;
 }
 
 /* Does a ball stand where it waits? */

@@ -6,10 +6,12 @@
  * entries that do not hold any more fall out when their bin begins. So an event costs one line of
  * its bin, and no neighbour's.
  *
- * The few balls of the current bin are due: they stand in no order, and the earliest is looked up
- * by vectors, as its way through a heap cannot be foretold, and wrong guesses cost more. They are
- * taken out by clearing a bit, for what has just been written in parts could not yet be read as a
- * vector: a gain of 1.02.
+ * The balls of the current bin are due, in one of three forms. A few, as nearly always, stand in
+ * no order, and the earliest is looked up by vectors, as its way through a heap cannot be foretold,
+ * and wrong guesses cost more. They are taken out by clearing a bit, for what has just been written
+ * in parts could not yet be read as a vector: a gain of 1.02. Some more stand side by side, without
+ * gaps, and are looked through one by one. A crowd, whose events may be at one and the same time,
+ * so that no narrower bin would part them, is a heap.
  *
  * In a large system the line of a bin is far away. What is written waits for it, and so does
  * whatever is written behind it and then read; therefore balls are put by, memory is asked for
@@ -31,8 +33,8 @@
 #include "event/queue.h"
 
 enum {
-  EM_CALENDAR_FEW = 16, /* due balls that are looked through by vectors */
-  EM_CALENDAR_LARGE = 32,
+  EM_CALENDAR_FEW = 16,    /* due balls that are looked through by vectors */
+  EM_CALENDAR_LARGE = 32,  /* and one by one; more are a crowd, until they are few */
   EM_CALENDAR_BY = 48,     /* balls that are put by */
   EM_CALENDAR_ENTRIES = 16 /* of a bin, before they are put aside */
 };
@@ -55,8 +57,8 @@ struct em_queue {
   uint32_t *due;               /* balls of the current bin and before */
   double *due_time;
   uint32_t due_count, later_count;
-  bool few;          /* no place beyond EM_CALENDAR_FEW is taken; those that are have */
-  unsigned standing; /* their bits set */
+  bool few, crowd;   /* the form of the due: see above; neither: some */
+  unsigned standing; /* few: the bits of the places that are taken */
   uint32_t count, bins, all_bins;
   uint32_t spare;    /* the first free bin behind the ring, linked by `aside`; 0: none */
   uint32_t slot;     /* of the current bin in the ring: current - base */
@@ -76,7 +78,13 @@ void em_calendar_relieve(struct em_queue *q);
 void em_calendar_close_up(struct em_queue *q);
 /* And back, where few are due; false: there are too many. */
 bool em_calendar_thin_out(struct em_queue *q);
-/* The first of the balls that are due, by (time, ball), where there are many. */
+/* Adds a ball where no place for a few is left. */
+void em_calendar_join(struct em_queue *q, uint32_t ball, double time);
+/* In a crowd: what has been put at a place takes the one that its time asks for. */
+__attribute__((cold)) void em_calendar_settle(struct em_queue *q, uint32_t place);
+/* In a crowd: the last one takes a place that has become free. */
+__attribute__((cold)) void em_calendar_fill(struct em_queue *q, uint32_t place);
+/* The first of the balls that are due, by (time, ball), where they are not few. */
 uint32_t em_calendar_search(struct em_queue *q, double *time, uint32_t *rival);
 /* A bin is full: puts its entries aside, or, where no room is left, files all balls anew; false:
  * that was done. */
@@ -122,18 +130,20 @@ static inline void em_calendar_add(struct em_queue *q, uint32_t ball, double tim
     em_calendar_put(q, place, ball, time);
     return;
   }
-  if (q->few) em_calendar_close_up(q);
-  em_calendar_put(q, q->due_count++, ball, time);
+  em_calendar_join(q, ball, time);
 }
 
 static inline void em_calendar_remove(struct em_queue *q, uint32_t place) {
   q->plan[q->due[place]].place = EM_CALENDAR_WAITS;
-  if (q->few) {
+  if (__builtin_expect(q->few, 1)) {
     q->standing &= ~(1u << place);
     return;
   }
   const uint32_t last = --q->due_count;
-  if (place < last) em_calendar_put(q, place, q->due[last], q->due_time[last]);
+  if (q->crowd)
+    em_calendar_fill(q, place);
+  else if (place < last)
+    em_calendar_put(q, place, q->due[last], q->due_time[last]);
 }
 
 static inline double em_calendar_bin(const struct em_queue *q, double time) {
@@ -196,6 +206,7 @@ static inline void em_calendar_set(struct em_queue *q, uint32_t ball, double tim
   if (plan->place != EM_CALENDAR_WAITS) {
     if (at < q->due_end) {
       q->due_time[plan->place] = time;
+      if (q->crowd) em_calendar_settle(q, plan->place);
       return;
     }
     em_calendar_remove(q, plan->place);

@@ -287,33 +287,6 @@ static inline bool meets(const struct em_world *w, uint32_t i, uint32_t j) {
   return p && p->partner == j;
 }
 
-/* Contacts at one and the same time go by class, then by index. */
-static inline bool goes_before(uint32_t a, uint32_t with_a, uint32_t b, uint32_t with_b) {
-  const bool sa = with_a >= EM_SURFACE, sb = with_b >= EM_SURFACE;
-  if (sa != sb) return sb;
-  if (sa) return with_a != with_b ? with_a < with_b : a < b;
-  const uint32_t la = a < with_a ? a : with_a, ha = a < with_a ? with_a : a;
-  const uint32_t lb = b < with_b ? b : with_b, hb = b < with_b ? with_b : b;
-  return la != lb ? la < lb : ha < hb;
-}
-
-/* Which of the balls whose events share the time t goes next: one whose event only updates lists,
- * else the first contact in the fixed order. */
-static inline uint32_t untie(struct em_world *w, double t) {
-  const size_t n = w->queue_kind->tied(w->queue, w->tied, w->count);
-  uint32_t next = EM_NOBODY, with = EM_NOBODY;
-  for (size_t k = 0; k < n; k++) {
-    const uint32_t i = w->tied[k];
-    if (!is_real(w, i, t)) return i;
-    const uint32_t partner = local_first(w, i)->partner;
-    if (next == EM_NOBODY || goes_before(i, partner, next, with)) {
-      next = i;
-      with = partner;
-    }
-  }
-  return next;
-}
-
 static inline enum em_status collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
                                        double t, struct em_error *err) {
   return em_collapse_report(w, i, partner, t, err);

@@ -78,6 +78,7 @@ static __attribute__((noinline)) bool FN(predict_two)(struct em_world *w, uint32
 
 static bool FN(predict_all)(struct em_world *w) {
   w->queue_kind->clear(w->queue, w->clock);
+  em_ties_clear(&w->ties);
   w->contacts = 0;
   for (uint32_t i = 0; i < w->count; i++)
     w->plan[i].contact = 0;
@@ -90,7 +91,7 @@ static bool FN(predict_all)(struct em_world *w) {
 
 /* --- the loop --------------------------------------------------------------------------------- */
 
-static void FN(moved)(struct em_world *w, uint32_t i) {
+static __attribute__((noinline)) void FN(moved)(struct em_world *w, uint32_t i) {
   if (w->cells)
     em_blocks_moved(w, i, WITH(GRAVITY), WITH(PERIODIC));
   else
@@ -117,6 +118,11 @@ static bool FN(renew)(struct em_world *w, uint32_t i, double now) {
   w->local_kind->pop(w->local, i);
   FN(schedule)(w, i);
   return true;
+}
+
+/* The event of ball i at t, which is no contact that holds. */
+static inline bool FN(update)(struct em_world *w, uint32_t i, double t) {
+  return w->plan[i].leave <= t ? FN(cross)(w, i, t, t) : FN(renew)(w, i, t);
 }
 
 /* Several balls move on at once from their cells; their candidates are tested together. */
@@ -208,6 +214,64 @@ static enum em_status FN(hit_surface)(struct em_world *w, uint32_t i, uint32_t c
   return FN(predict)(w, i, t) ? EM_OK : no_memory(err);
 }
 
+/* Ball i, whose event may be one of those at t: what only updates lists is worked off, and if that
+ * leaves a contact, it is entered, in place of another. */
+static __attribute__((cold)) bool FN(enter)(struct em_world *w, uint32_t i, double t) {
+  em_ties_remove(&w->ties, i);
+  while (local_least(w, i) <= t) {
+    if (is_real(w, i, t)) {
+      em_ties_add(&w->ties, i, local_first(w, i)->partner);
+      return true;
+    }
+    if (!FN(update)(w, i, t)) return false;
+  }
+  return true;
+}
+
+/* All that were to meet ball i, which has met another. */
+static __attribute__((cold)) bool FN(enter_others)(struct em_world *w, uint32_t i, double t) {
+  for (uint32_t k = w->ties.tie[i].met, next; k != EM_NOBODY; k = next) {
+    next = w->ties.tie[k].next;
+    if (!FN(enter)(w, k, t)) return false;
+  }
+  return true;
+}
+
+/* After a contact at t among others: of those entered it moved its balls, and whoever was to meet
+ * them. */
+static __attribute__((cold)) bool FN(follow)(struct em_world *w, double t) {
+  const uint32_t i = w->ties.last, with = w->ties.tie[i].with;
+  const uint32_t j = with < EM_SURFACE ? with : i;
+  em_ties_remove(&w->ties, i);
+  em_ties_remove(&w->ties, j);
+  return FN(enter_others)(w, i, t) && FN(enter_others)(w, j, t) && FN(enter)(w, i, t) &&
+         FN(enter)(w, j, t);
+}
+
+/* All whose events are at t: they stand where the heap grows, which is never longer than what has
+ * been entered of them. */
+static __attribute__((cold)) bool FN(gather)(struct em_world *w, double t) {
+  struct em_ties *ties = &w->ties;
+  if (!ties->tie && !em_ties_make(ties, w->count)) return false;
+  em_ties_clear(ties);
+  const size_t n = w->queue_kind->tied(w->queue, ties->ball);
+  for (size_t k = 0; k < n; k++)
+    if (!FN(enter)(w, ties->ball[k], t)) return false;
+  return true;
+}
+
+/* Several balls have their events at t: which goes first, when what only updates lists is worked
+ * off; EM_NOBODY: no contact is left. False: no memory. */
+static __attribute__((noinline, cold)) bool FN(untie)(struct em_world *w, double t,
+                                                      uint32_t *first) {
+  struct em_ties *ties = &w->ties;
+  const bool known = ties->count > 0 && ties->time == t && w->contacts == ties->contacts + 1;
+  if (known ? !FN(follow)(w, t) : !FN(gather)(w, t)) return false;
+  *first = em_ties_first(ties);
+  ties->time = t, ties->last = *first, ties->contacts = w->contacts;
+  return true;
+}
+
 static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
                               const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t turns = 0;
@@ -229,10 +293,14 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    if (rival != i && !meets(w, i, rival)) i = untie(w, t);
+    if (rival != i && !meets(w, i, rival)) {
+      uint32_t next;
+      if (!FN(untie)(w, t, &next)) return no_memory(err);
+      if (next == EM_NOBODY) continue;
+      i = next;
+    }
     if (!is_real(w, i, t)) {
-      if (w->plan[i].leave <= t ? !FN(cross)(w, i, t, t) : !FN(renew)(w, i, t))
-        return no_memory(err);
+      if (!FN(update)(w, i, t)) return no_memory(err);
       continue;
     }
     const double at = t > w->clock ? t : w->clock;

@@ -30,9 +30,9 @@ struct em_queue_kind {
    * *rival: the ball itself when it is the only one at that time, the other one of two (the ball
    * has the smaller number), EM_QUEUE_SEVERAL when there are more. */
   uint32_t (*first)(struct em_queue *queue, double *time, uint32_t *rival);
-  /* All balls whose time equals that of the earliest exactly, in any order; returns how many there
-   * are, and fills in at most `room` of them. */
-  size_t (*tied)(struct em_queue *queue, uint32_t *ball, size_t room);
+  /* All balls whose time equals that of the earliest exactly, in any order: `ball` has room for
+   * all that there are. Returns how many; as many steps, at most some tens more. */
+  size_t (*tied)(struct em_queue *queue, uint32_t *ball);
   size_t (*bytes)(const struct em_queue *queue);
   bool (*is_valid)(const struct em_queue *queue);
 };

@@ -63,16 +63,14 @@ static uint32_t first(struct em_queue *queue, double *time, uint32_t *rival) {
   return ball;
 }
 
-static size_t tied(struct em_queue *queue, uint32_t *ball, size_t room) {
+static size_t tied(struct em_queue *queue, uint32_t *ball) {
   const struct em_rbnode *node = queue->node;
   size_t found = 0;
   uint32_t n = queue->tree.first;
   if (n == EM_RBTREE_NONE) return 0;
   const double time = node[n].key;
-  for (; n != EM_RBTREE_NONE && node[n].key == time; n = node[n].next) {
-    if (found < room) ball[found] = n;
-    found++;
-  }
+  for (; n != EM_RBTREE_NONE && node[n].key == time; n = node[n].next)
+    ball[found++] = n;
   return found;
 }
 

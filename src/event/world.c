@@ -103,10 +103,9 @@ static void set_times(struct em_world *w) {
 static bool take_arrays(struct em_world *w, bool spin, bool mixed) {
   w->body = em_body_array(w->count, sizeof *w->body);
   w->plan = em_body_array(w->count, sizeof *w->plan);
-  w->tied = em_body_array(w->count, sizeof *w->tied);
   if (spin) w->spin = em_body_array(w->count, sizeof *w->spin);
   if (mixed) w->mass = em_body_array(w->count, sizeof *w->mass);
-  return w->body && w->plan && w->tied && (w->spin || !spin) && (w->mass || !mixed);
+  return w->body && w->plan && (w->spin || !spin) && (w->mass || !mixed);
 }
 
 static void set_balls(struct em_world *w, const struct em_balls *balls) {
@@ -216,7 +215,7 @@ void em_world_free(struct em_world *w) {
   if (w->places) w->partition_kind->free(w->places);
   free(w->body);
   free(w->plan);
-  free(w->tied);
+  em_ties_free(&w->ties);
   free(w->spin);
   free(w->mass);
   free(w->blade);
@@ -358,9 +357,10 @@ const char *em_world_variant(const struct em_world *w) {
 }
 
 double em_world_bytes_per_ball(const struct em_world *w) {
-  size_t each = sizeof *w->body + sizeof *w->plan + sizeof *w->tied;
+  size_t each = sizeof *w->body + sizeof *w->plan;
   if (w->spin) each += sizeof *w->spin;
   if (w->mass) each += sizeof *w->mass;
+  if (w->ties.tie) each += sizeof *w->ties.ball + sizeof *w->ties.tie;
   const size_t lists = w->queue_kind->bytes(w->queue) + w->local_kind->bytes(w->local) +
                        w->partition_kind->bytes(w->places);
   return w->count ? (double)each + (double)lists / w->count : 0.0;
