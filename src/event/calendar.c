@@ -246,9 +246,11 @@ static size_t tied_in_crowd(const struct em_queue *q, uint32_t *ball) {
 /* ---- bins ---- */
 
 bool em_calendar_advance(struct em_queue *q) {
-  em_calendar_catch_up(q);
-  q->few = q->crowd = false;
-  q->due_count = 0;
+  em_calendar_catch_up(q); /* may file all anew, so that some are due */
+  if (em_calendar_is_over(q)) {
+    q->few = q->crowd = false;
+    q->due_count = 0;
+  }
   while (q->due_count == 0) {
     uint32_t slot = q->slot + 1;
     while (slot < q->bins && q->entries[slot] == 0)
@@ -302,7 +304,7 @@ static void free_queue(struct em_queue *q) {
 }
 
 static struct em_queue *make(uint32_t count, struct em_plan *plan, double spacing) {
-  if (count >= UINT32_MAX / 2) return NULL;
+  if (count > EM_BALLS_MOST) return NULL;
   struct em_queue *q = calloc(1, sizeof *q);
   if (!q) return NULL;
   q->count = count;

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "event/body.h"
 #include "event/queue.h"
 
 enum { KINDS = EM_LISTS_COUNT, SMALL = 40 };
@@ -246,6 +247,28 @@ static void test_many_at_one_time(void **unused) {
   }
 }
 
+/* So many entries in one bin, most of which do not hold any more, that all are filed anew: while
+ * balls are being put by, and when the next bin begins. */
+static void test_no_ball_is_lost(void **unused) {
+  (void)unused;
+  enum { COUNT = EM_FETCH_FROM, ROOM = 2 * COUNT };
+  static uint32_t ball[COUNT];
+  struct em_queue *queue = em_queue_calendar.make(COUNT, plans, 1.0);
+  for (uint32_t entries = ROOM + 96; entries < ROOM + 192; entries++) {
+    double t;
+    uint32_t rival;
+    em_queue_calendar.clear(queue, 0.0);
+    em_queue_calendar.set(queue, 0, 1.0);
+    assert_int_equal(em_queue_calendar.first(queue, &t, &rival), 0);
+    em_queue_calendar.set(queue, 1, 100.0);
+    for (uint32_t k = 0; k < entries; k++)
+      em_queue_calendar.set(queue, 2 + k % (COUNT - 2), 20.0);
+    em_queue_calendar.set(queue, 0, INFINITY);
+    assert_int_equal(em_queue_calendar.tied(queue, ball), COUNT - 2);
+  }
+  em_queue_calendar.free(queue);
+}
+
 static void test_kinds_have_names(void **unused) {
   (void)unused;
   assert_null(em_queue_find(EM_LISTS_COUNT));
@@ -261,7 +284,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_random_operations), cmocka_unit_test(test_all_kinds_agree),
       cmocka_unit_test(test_a_million_events),  cmocka_unit_test(test_ties_come_by_number),
-      cmocka_unit_test(test_many_at_one_time),  cmocka_unit_test(test_kinds_have_names),
+      cmocka_unit_test(test_many_at_one_time),  cmocka_unit_test(test_no_ball_is_lost),
+      cmocka_unit_test(test_kinds_have_names),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
