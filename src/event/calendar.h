@@ -92,7 +92,8 @@ bool em_calendar_make_room(struct em_queue *q, uint32_t bin);
 
 /* The balls of the bin that comes `ahead` bins after the current one, up to `most` of them, as far
  * as it lies in this turn; some may not be there any more, unless it is the current one and has
- * just begun. Returns how many. */
+ * just begun: then the earliest is among them, if `most` is EM_CALENDAR_LARGE at least. Returns how
+ * many. */
 uint32_t em_calendar_peek(const struct em_queue *q, uint32_t ahead, uint32_t *ball, uint32_t most);
 
 /* That bin, or the current one where it lies beyond this turn. */

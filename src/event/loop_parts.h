@@ -109,6 +109,7 @@ static inline bool leaves_first(const struct em_world *w, uint32_t i) {
 /* --- foresight -------------------------------------------------------------------------------- */
 
 enum { FORESEEN = EM_BLOCKS_MANY }; /* balls of a bin */
+_Static_assert((int)FORESEEN >= (int)EM_CALENDAR_LARGE, "its earliest ball is among them");
 
 /* Asks memory for all that stands at the number of a ball. */
 static inline void fetch_ball(const struct em_world *w, uint32_t i) {
