@@ -8,6 +8,7 @@
  *       tidy            a bin of the calendar begins
  *       cross           a ball leaves its place: predict_pairs with those who are new to it, settle
  *       renew           a prediction is stale: predict
+ *       untie           several have their events at one time: which goes first
  *       hit_ball        collide_pair, predict_two
  *       hit_surface     collide_surface, predict
  *     predict           predict_pairs, settle
