@@ -125,7 +125,7 @@ $(B)/%.o: %.c $(B)/flags | packages $(B)/version.h
 	$(Q)$(CC) $(ALL_CFLAGS) $(if $(filter %_avx2.c,$<),$(FOR_AVX2)) \
 	  $(if $(filter %_avx512.c,$<),$(FOR_AVX512)) -MMD -MP -c $< -o $@
 
-$(B)/tests/%.o: SEEK += -Itests
+$(B)/tests/%.o: private SEEK += -Itests
 
 # The page of millpost view, as bytes in C.
 VIEW_PAGE   := src/draw/view/page.html
