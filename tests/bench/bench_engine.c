@@ -1,6 +1,6 @@
 /* Collisions per second of the engine, and what it does for each: the reference mill at 1700 rpm,
- * and gases of 10³ … 10⁶ balls. Usage: bench_engine [CASE [COLLISIONS]]; without a case all but
- * those of 10⁶ balls, which `large` adds. */
+ * and gases of 10³ … 10⁶ balls. Without a case all:
+ * bench_engine [CASE [COLLISIONS [KEY=VALUE ...]]] */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,31 +25,29 @@ struct item {
   bool periodic;
   const char *overrides; /* separated by spaces */
   double warm, measured; /* collisions per ball */
-  bool large;
 };
 
 /* The mill is measured over 0.2 s from its steady state on. */
 static const struct item items[] = {
     {"mill", 0, 0.0, false, "rotor.rpm=1700 contact.rule=reichardt2005 contact.tangential=0.9", 0.3,
-     0.2, false},
-    {"mill, rough", 0, 0.0, false, "rotor.rpm=1700", 0.3, 0.2, false},
-    {"mill, smooth", 0, 0.0, false, "rotor.rpm=1700 contact.rule=smooth", 0.3, 0.2, false},
-    {"gas 1e3 0.1", 1000, 0.1, true, "", 200, 600, false},
-    {"gas 1e3 0.3", 1000, 0.3, true, "", 200, 600, false},
-    {"gas 1e3 0.5", 1000, 0.5, true, "", 200, 600, false},
-    {"gas 4e3 0.3", 4000, 0.3, true, "", 100, 200, false},
-    {"gas 4e3 0.3 gravity", 4000, 0.3, false, "gravity=[0,0,-0.05]", 100, 200, false},
-    {"gas 4e3 0.3 spin", 4000, 0.3, true, "contact.rule=rough contact.tangential=-1", 100, 200,
-     false},
-    {"gas 1e4 0.1", 10000, 0.1, true, "", 40, 80, false},
-    {"gas 1e4 0.3", 10000, 0.3, true, "", 40, 80, false},
-    {"gas 1e4 0.5", 10000, 0.5, true, "", 40, 80, false},
-    {"gas 1e5 0.1", 100000, 0.1, true, "", 10, 10, false},
-    {"gas 1e5 0.3", 100000, 0.3, true, "", 10, 10, false},
-    {"gas 1e5 0.5", 100000, 0.5, true, "", 10, 10, false},
-    {"gas 1e6 0.1", 1000000, 0.1, true, "", 4, 3, true},
-    {"gas 1e6 0.3", 1000000, 0.3, true, "", 4, 3, true},
-    {"gas 1e6 0.5", 1000000, 0.5, true, "", 4, 3, true},
+     0.2},
+    {"mill, rough", 0, 0.0, false, "rotor.rpm=1700", 0.3, 0.2},
+    {"mill, smooth", 0, 0.0, false, "rotor.rpm=1700 contact.rule=smooth", 0.3, 0.2},
+    {"gas 1e3 0.1", 1000, 0.1, true, "", 200, 600},
+    {"gas 1e3 0.3", 1000, 0.3, true, "", 200, 600},
+    {"gas 1e3 0.5", 1000, 0.5, true, "", 200, 600},
+    {"gas 4e3 0.3", 4000, 0.3, true, "", 100, 200},
+    {"gas 4e3 0.3 gravity", 4000, 0.3, false, "gravity=[0,0,-0.05]", 100, 200},
+    {"gas 4e3 0.3 spin", 4000, 0.3, true, "contact.rule=rough contact.tangential=-1", 100, 200},
+    {"gas 1e4 0.1", 10000, 0.1, true, "", 40, 80},
+    {"gas 1e4 0.3", 10000, 0.3, true, "", 40, 80},
+    {"gas 1e4 0.5", 10000, 0.5, true, "", 40, 80},
+    {"gas 1e5 0.1", 100000, 0.1, true, "", 10, 10},
+    {"gas 1e5 0.3", 100000, 0.3, true, "", 10, 10},
+    {"gas 1e5 0.5", 100000, 0.5, true, "", 10, 10},
+    {"gas 1e6 0.1", 1000000, 0.1, true, "", 4, 3},
+    {"gas 1e6 0.3", 1000000, 0.3, true, "", 4, 3},
+    {"gas 1e6 0.5", 1000000, 0.5, true, "", 4, 3},
 };
 
 static double now(void) {
@@ -79,7 +77,7 @@ static struct em_scene *scene_of(const struct item *item, size_t extra, char **m
   } else {
     char text[1024];
     const double edge = cbrt((double)item->count * M_PI / 6.0 / item->phi);
-    const bool lattice = item->large && item->phi > 0.4;
+    const bool lattice = item->count > 100000 && item->phi > 0.4;
     snprintf(text, sizeof text, gas, edge, edge, edge, item->periodic ? "true" : "false",
              item->count, lattice ? "lattice" : "uniform");
     status = em_scene_parse(&scene, text, item->name, n, override, &err);
@@ -148,19 +146,14 @@ static void bench(const struct item *item, double limit, size_t extra, char **mo
   em_scene_free(scene);
 }
 
-/* bench_engine CASE [COLLISIONS [KEY=VALUE ...]] */
 int main(int argc, char **argv) {
   const char *chosen = argc > 1 ? argv[1] : NULL;
-  const bool large = chosen && strcmp(chosen, "large") == 0;
   const double limit = argc > 2 ? atof(argv[2]) : 0.0;
   bool found = false;
   print_head();
   for (size_t k = 0; k < sizeof items / sizeof *items; k++) {
     const struct item *item = &items[k];
-    const bool wanted = !chosen ? !item->large
-                        : large ? item->large
-                                : strcmp(chosen, item->name) == 0;
-    if (!wanted) continue;
+    if (chosen && strcmp(chosen, item->name) != 0) continue;
     found = true;
     bench(item, limit, argc > 3 ? (size_t)(argc - 3) : 0, argv + 3);
   }
