@@ -121,9 +121,14 @@ struct em_energy em_world_energy(const struct em_world *world, const struct em_b
 /* Bin edges of em_tally.vn: lower edge of bin k (m/s), 0 ≤ k ≤ EM_TALLY_BINS. */
 double em_world_bin_edge(size_t k);
 
-/* A copy of all that a restart needs / a world that continues from such a copy. */
+/* A copy of all that a restart needs. */
 enum em_status em_world_snapshot(const struct em_world *world, struct em_snapshot **snapshot,
                                  struct em_error *err);
+/* A copy from which a world of another scene can go on: all balls are where they are now, and have
+ * met nobody yet. Between its contacts a ball's path depends on the scene. */
+enum em_status em_world_snapshot_now(const struct em_world *world, struct em_snapshot **snapshot,
+                                     struct em_error *err);
+/* A world that continues from a copy. */
 enum em_status em_world_resume(struct em_world **world, const struct em_scene *scene,
                                const struct em_snapshot *snapshot, struct em_error *err);
 struct em_snapshot *em_world_snapshot_new(uint32_t count, uint32_t blade_count, bool spin);

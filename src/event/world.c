@@ -431,6 +431,20 @@ enum em_status em_world_snapshot(const struct em_world *w, struct em_snapshot **
   return EM_OK;
 }
 
+enum em_status em_world_snapshot_now(const struct em_world *w, struct em_snapshot **snapshot,
+                                     struct em_error *err) {
+  const enum em_status status = em_world_snapshot(w, snapshot, err);
+  for (uint32_t i = 0; !status && i < w->count; i++) {
+    struct em_snapshot *s = *snapshot;
+    s->position[i] = em_body_wrap(w, em_body_at(w, i, w->clock));
+    s->velocity[i] = em_body_velocity(w, i, w->clock);
+    s->time[i] = w->clock;
+    s->last[i] = EM_NOBODY;
+    s->streak[i] = 0;
+  }
+  return status;
+}
+
 /* Radii and masses come from the scene; everything else from the snapshot. */
 static enum em_status balls_of(const struct em_scene *scene, const struct em_snapshot *s,
                                struct em_balls **balls, struct em_error *err) {

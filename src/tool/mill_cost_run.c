@@ -43,7 +43,7 @@ enum em_status em_mill_cost_run_steady(struct em_cost *cost, struct em_error *er
   const double rate = spent > 0.0 && taken > 0.0 ? taken / spent : 0.1; /* s per s of computing */
   cost->long_time = cost->time > 0.0 ? 4.0 * cost->time : fmin(LONG_RUN * rate, 40.0);
   if (!(cost->time > 0.0)) cost->time = fmin(RUN * rate, 10.0);
-  if (!status) status = em_world_snapshot(world, &cost->snapshot, err);
+  if (!status) status = em_world_snapshot_now(world, &cost->snapshot, err);
   em_world_free(world);
   em_start_free(balls);
   return status;

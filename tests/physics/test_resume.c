@@ -12,14 +12,18 @@
 
 #define MILL "geometries/simoloyer-2l.cfg"
 
-/* Replaces the world by one made from its snapshot. */
-static void restart(struct trial *t) {
-  struct em_snapshot *s;
-  assert_int_equal(em_world_snapshot(t->world, &s, &t->err), EM_OK);
+static void go_on_from(struct trial *t, struct em_snapshot *s) {
   em_world_free(t->world);
   t->world = NULL;
   if (em_world_resume(&t->world, t->scene, s, &t->err)) fail_msg("%s", t->err.text);
   em_world_snapshot_free(s);
+}
+
+/* Replaces the world by one made from its snapshot. */
+static void restart(struct trial *t) {
+  struct em_snapshot *s;
+  assert_int_equal(em_world_snapshot(t->world, &s, &t->err), EM_OK);
+  go_on_from(t, s);
 }
 
 struct after {
@@ -131,11 +135,45 @@ static void test_numbers(void **state) {
   assert_true(collide_from(0, "") == collide_from(UINT32_MAX - 1000, "engine.lists=all"));
 }
 
+/* In another scene balls go on from where they are: with the paths since their last contacts of the
+ * new one, they would overlap. */
+static void go_on(const char *scene, const char *overrides, double after) {
+  struct trial from, to;
+  struct em_snapshot *s;
+  trial_open(&from, scene, "%s", overrides);
+  trial_run(&from, after);
+  assert_int_equal(em_world_snapshot_now(from.world, &s, &from.err), EM_OK);
+  trial_open(&to, scene, "%s gravity=[-3,0,-9.81] contact.normal=0.9", overrides);
+  go_on_from(&to, s);
+  const double t = em_world_time(from.world);
+  assert_true(em_world_time(to.world) == t);
+  em_world_state(from.world, t, from.balls);
+  em_world_state(to.world, t, to.balls);
+  for (size_t i = 0; i < from.balls->count; i++) {
+    const struct em_vec d = em_vec_sub(from.balls->position[i], to.balls->position[i]);
+    assert_true(em_vec_norm(d) <= 1e-15);
+    assert_true(em_vec_norm(em_vec_sub(from.balls->velocity[i], to.balls->velocity[i])) == 0.0);
+  }
+  trial_valid(&to, 1e-12);
+  trial_run(&to, t + after);
+  trial_valid(&to, 1e-12);
+  trial_free(&from);
+  trial_free(&to);
+}
+
+static void test_other_scenes(void **state) {
+  (void)state;
+  go_on("geometries/ideal-gas.cfg", "", 0.03);
+  go_on(periodic, "contact.rule=smooth", 0.03);
+  go_on(MILL, "gravity=none balls.count=700 rotor.rpm=800", 0.03);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mill),     cmocka_unit_test(test_structures),
-      cmocka_unit_test(test_remedies), cmocka_unit_test(test_ramps),
-      cmocka_unit_test(test_boxes),    cmocka_unit_test(test_numbers),
+      cmocka_unit_test(test_mill),         cmocka_unit_test(test_structures),
+      cmocka_unit_test(test_remedies),     cmocka_unit_test(test_ramps),
+      cmocka_unit_test(test_boxes),        cmocka_unit_test(test_numbers),
+      cmocka_unit_test(test_other_scenes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
