@@ -117,7 +117,7 @@ static int read_options(void *wish, const struct em_millpost_line *line,
     const int letter = c == '?' ? optopt : c;
     const char single[] = {'-', (char)letter, '\0'};
     const bool is_single =
-        c == 'o' || (c == '?' && letter && letter < FIRST && !strchr("hq", letter));
+        c == 'o' || (c == '?' && letter && letter < FIRST && letter != 'h' && letter != 'q');
     const char *asked = is_single ? single : optind > 0 ? argv[optind - 1] : "";
     if (c == 'h') {
       print_help(line, help);

@@ -216,8 +216,9 @@ static enum em_status draw(const struct em_run_file *run, const struct em_balanc
       low = fmin(low, power[k]);
       high = fmax(high, power[k]);
     }
-    series[count++] = (struct em_plot_series){
+    series[count] = (struct em_plot_series){
         .name = curves[c].name, .style = curves[c].style, .count = points, .x = t, .y = power};
+    count++;
   }
   const bool rotor = b->blades > 0, drum = b->drum.count > 0;
   char subtitle[256];
