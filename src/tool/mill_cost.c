@@ -135,10 +135,6 @@ static int read_options(struct options *o, int argc, char **argv) {
   return em_mill_words(&o->scene, &help, argc - optind, argv + optind);
 }
 
-enum em_status em_mill_cost_no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-}
-
 double em_mill_cost_width(const struct em_interval *figure) {
   return figure->value != 0.0 ? figure->half / fabs(figure->value) : NAN;
 }

@@ -119,7 +119,9 @@ enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
 /* Half width of an interval, relative to its value; NAN for a value of 0. */
 double em_mill_cost_width(const struct em_interval *figure);
 
-enum em_status em_mill_cost_no_memory(struct em_error *err);
+static inline enum em_status em_mill_cost_no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
+}
 
 /* Shows progress; what: of that which is measured now. */
 void em_mill_cost_tell(const struct em_cost *cost, const char *what);

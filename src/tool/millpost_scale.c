@@ -1,5 +1,6 @@
 /* millpost scale: which speed of the rotor gives the same impacts with other balls, or in another
  * mill? (Reichardt 2005, 3.3 and 21.3) */
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -381,6 +382,7 @@ static int run_with(struct point *point, struct point *mean, const struct em_mil
   int runs;
   enum em_status status = read_points(point, &runs, o, kind, &err);
   if (status != EM_OK) return em_millpost_fail(&err);
+  assert(runs > 0);
   const int groups = sort_into_groups(point, runs);
   const double rpm = point[0].rpm;
   qsort(point, (size_t)runs, sizeof *point, by_speed);
