@@ -68,3 +68,10 @@ test -f "${1#-I}/eventmill/scene.h"
 make -s "${settings[@]}" uninstall
 left=$(find "$root/it's a mill" -type f -o -type l; ls -d "$root/it" 2>/dev/null) || true
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
+
+# A test that is built on its own takes the library as it is, with flags of its own.
+alone=("BUILD=$root/alone" SAN= DEBUG=)
+make -s "${alone[@]}" "$root/alone/src/num/error.o"
+cp "$root/alone/flags" "$root/flags"
+make -s "${alone[@]}" "$root/alone/tests/unit/test_error.o"
+cmp "$root/alone/flags" "$root/flags"
