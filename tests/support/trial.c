@@ -197,9 +197,9 @@ struct em_vec dice_direction(uint64_t *seed) {
   return em_vec_make(s * cos(phi), s * sin(phi), z);
 }
 
-uint64_t hard_tries(double many) {
+uint64_t hard_tries(double few, double many) {
   const char *factor = getenv("EVENTMILL_TRIES");
-  return (uint64_t)(many * (factor ? atof(factor) : 1.0));
+  return (uint64_t)fmax(few, many * (factor ? atof(factor) : 1.0));
 }
 
 void hard_choose(void) {

@@ -53,13 +53,13 @@ double dice_power(uint64_t *seed, double low, double high); /* uniform in the lo
 struct em_vec dice_direction(uint64_t *seed);
 
 /* How often a hard case is tried: few times, or, in the long form of a program (LONG_FORM), many
- * times, multiplied by the environment's EVENTMILL_TRIES. */
+ * times, multiplied by the environment's EVENTMILL_TRIES, but never less often than few. */
 #ifdef LONG_FORM
-#define TRIES(few, many) hard_tries(many)
+#define TRIES(few, many) hard_tries(few, many)
 #else
 #define TRIES(few, many) ((uint64_t)(few))
 #endif
-uint64_t hard_tries(double many);
+uint64_t hard_tries(double few, double many);
 
 /* Of the tests that follow only those run whose names match the environment's EVENTMILL_CASE. */
 void hard_choose(void);
