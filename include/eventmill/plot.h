@@ -1,5 +1,4 @@
-/* Diagrams in one house style, drawn by gnuplot: curves and histograms, bars,
- * and maps of cells.
+/* Diagrams in one house style, drawn by gnuplot: curves and histograms, bars, maps of cells.
  *
  * The ending of the path says what is written: .png, .svg, .pdf, or .gp for the gnuplot script with
  * its data, to be changed by hand. A file appears complete or not at all. */
