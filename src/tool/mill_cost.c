@@ -161,7 +161,7 @@ static enum em_status try_file(const char *path, struct em_error *err) {
 
 static enum em_status try_files(const struct options *o, struct em_error *err) {
   enum em_status status = o->csv ? try_file(o->csv, err) : EM_OK;
-  for (int k = 0; k < EM_COST_PICTURES && o->scene.out && !status; k++) {
+  for (unsigned k = 0; k < EM_COST_PICTURES && o->scene.out && !status; k++) {
     char path[EM_COST_PICTURE_PATH];
     em_mill_cost_draw_path(o->scene.out, k, path);
     status = try_file(path, err);

@@ -110,7 +110,7 @@ enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const 
 enum { EM_COST_PICTURES = 4, EM_COST_PICTURE_PATH = EM_SCENE_PATH + 32 };
 
 /* The path of a picture: PREFIX-accuracy.png, -effects.png, -recording.png, -statistics.png. */
-void em_mill_cost_draw_path(const char *prefix, int picture, char path[EM_COST_PICTURE_PATH]);
+void em_mill_cost_draw_path(const char *prefix, unsigned picture, char path[EM_COST_PICTURE_PATH]);
 
 /* Draws them; says on stderr which has nothing to show. Errors: those of em_plot_draw. */
 enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,

@@ -10,7 +10,7 @@ enum picture { ACCURACY, EFFECTS, RECORDING, STATISTICS };
 static const char *const pictures[EM_COST_PICTURES] = {"accuracy", "effects", "recording",
                                                        "statistics"};
 
-void em_mill_cost_draw_path(const char *prefix, int picture, char path[EM_COST_PICTURE_PATH]) {
+void em_mill_cost_draw_path(const char *prefix, unsigned picture, char path[EM_COST_PICTURE_PATH]) {
   snprintf(path, EM_COST_PICTURE_PATH, "%s-%s.png", prefix, pictures[picture]);
 }
 

@@ -382,8 +382,8 @@ static void placing_stops_on_request(void **state) {
   static const char *const text[] = {
       DRUM "balls = { count = 100; diameter = 0.005; };",
       DRUM "balls = { count = 100; diameter = 0.005; start = \"lattice\"; };",
-      "chamber = { shape = \"box\"; size = [1, 1, 1]; };"
-      "balls = { count = 500; diameter = 0.12; };", /* pushed apart */
+      ("chamber = { shape = \"box\"; size = [1, 1, 1]; };"
+       "balls = { count = 500; diameter = 0.12; };"), /* pushed apart */
   };
   for (size_t k = 0; k < sizeof text / sizeof *text; k++) {
     struct em_scene *scene = parse(text[k]);
