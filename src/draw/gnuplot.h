@@ -19,6 +19,9 @@ struct em_gnuplot {
 enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int width, int height,
                                 struct em_error *err);
 
+/* Where a diagram below a title ends, in shares of the picture's height. */
+#define EM_GNUPLOT_TOP 0.865
+
 /* Writes a text as a gnuplot string: taken literally, on one line. NULL is empty. */
 void em_gnuplot_string(struct em_gnuplot *script, const char *text);
 

@@ -90,7 +90,7 @@ static void write_frame(struct em_gnuplot *g, const struct em_plot *plot) {
     second |= plot->series[k].second_axis;
   em_gnuplot_title(g, plot->title, plot->subtitle);
   fprintf(g->out, "set tmargin at screen %.3f\nset rmargin %d\n",
-          plot->title == NULL && plot->subtitle == NULL ? 0.97 : 0.865, second ? 10 : 4);
+          plot->title == NULL && plot->subtitle == NULL ? 0.97 : EM_GNUPLOT_TOP, second ? 10 : 4);
   write_axis(g, "x", plot->x_label, plot->log_x, plot->x_low, plot->x_high);
   write_axis(g, "y", plot->y_label, plot->log_y, plot->y_low, plot->y_high);
   if (second) {

@@ -108,8 +108,8 @@ enum em_status em_plot_bars(const struct em_plot_bars *bars, const char *path,
   if (status != EM_OK) return status;
   const struct axis a = axis_of(bars);
   em_gnuplot_title(&g, bars->title, bars->subtitle);
-  fputs("set tmargin at screen 0.865\nset rmargin 4\nset key at screen 0.97, screen 0.925\n",
-        g.out);
+  fprintf(g.out, "set tmargin at screen %g\nset rmargin 4\nset key at screen 0.97, screen 0.925\n",
+          EM_GNUPLOT_TOP);
   write_axis(&g, bars, &a);
   em_gnuplot_names(&g, "y", bars->name, bars->count);
   fprintf(g.out, "set yrange [%g:-0.6]\nset grid noytics\n", fmax((double)bars->count, ROWS) - 0.4);

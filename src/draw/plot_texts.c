@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* The diagram's area, in shares of the picture. */
-static const double LEFT = 0.085, RIGHT = 0.97, BOTTOM = 0.115, TOP = 0.865;
+static const double LEFT = 0.085, RIGHT = 0.97, BOTTOM = 0.115;
 /* Pixels: of a letter and a line of the font; of a point; between them; steps away from a point. */
 static const double LETTER = 6.9, LINE = 17.0, DOT = 6.0, GAP = 10.0, LEADER = 26.0, STEP = 6.0;
 enum { STEPS = 40 };
@@ -138,7 +138,7 @@ void em_plot_texts(struct em_gnuplot *script, const struct em_plot *plot) {
   if (w == NULL) return;
   const double width = plot->width > 0 ? plot->width : 1200;
   const double height = plot->height > 0 ? plot->height : 750;
-  const struct box area = {LEFT * width, RIGHT * width, BOTTOM * height, TOP * height};
+  const struct box area = {LEFT * width, RIGHT * width, BOTTOM * height, EM_GNUPLOT_TOP * height};
   const size_t count = gather(w, plot, &area);
   qsort(w, count, sizeof *w, by_place);
   fprintf(script->out,

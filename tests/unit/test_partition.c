@@ -13,6 +13,7 @@
 
 #include "event/body.h"
 #include "event/partition.h"
+#include "support/trial.h"
 
 #define GAS "contact = { rule = \"smooth\"; normal = 1.0; }; record = { frames = 0.0; };"
 #define MILL                                                                                 \
@@ -422,24 +423,15 @@ static void test_both_images(void **unused) {
       "\"none\";"
       "balls = { count = 2; diameter = 1.0; start = \"table\";"
       "  table = ( [0.0, 1.0, 1.0, 1.0, 0.0, 0.0], [1.00005, 1.0, 1.0, 0.0, 0.0, 0.0] ); };" GAS;
-  static struct em_error err; /* large */
   for (int k = 0; k < EM_PARTITION_COUNT; k++)
     for (int l = 0; l < EM_LISTS_COUNT; l++) {
-      char how[2][64];
-      snprintf(how[0], sizeof how[0], "engine.partition=%s",
-               em_scene_partition_name((enum em_partition)k));
-      snprintf(how[1], sizeof how[1], "engine.lists=%s", em_scene_lists_name((enum em_lists)l));
-      const char *overrides[] = {how[0], how[1]};
-      struct em_scene *scene = NULL;
-      struct em_balls *balls = NULL;
-      struct em_world *w = NULL;
-      if (em_scene_parse(&scene, text, "images", 2, overrides, &err) ||
-          em_start_make(&balls, scene, NULL, NULL, &err) || em_world_new(&w, scene, balls, &err) ||
-          em_world_run(w, 1.0, NULL, &err))
-        fail_msg("%s", err.text);
-      em_start_free(balls);
-      assert_int_equal(em_world_collisions(w), 20);
-      close_world(w, scene);
+      struct trial t;
+      trial_open(&t, text, "engine.partition=%s engine.lists=%s",
+                 em_scene_partition_name((enum em_partition)k),
+                 em_scene_lists_name((enum em_lists)l));
+      trial_run(&t, 1.0);
+      assert_int_equal(em_world_collisions(t.world), 20);
+      trial_free(&t);
     }
 }
 
@@ -451,23 +443,14 @@ static void test_short_lists(void **unused) {
       "chamber = { shape = \"box\"; size = [2.1, 20.0, 20.0]; periodic = true; };"
       "gravity = \"none\"; engine = { lists = \"all\"; };"
       "balls = { count = 20; diameter = 1.0; speed = 1.0; };" GAS;
-  static struct em_error err; /* large */
   for (int k = 0; k < EM_PARTITION_COUNT; k++) {
-    char how[64];
-    snprintf(how, sizeof how, "engine.partition=%s", em_scene_partition_name((enum em_partition)k));
-    const char *overrides[] = {how};
-    struct em_scene *scene = NULL;
-    struct em_balls *balls = NULL;
-    struct em_world *w = NULL;
-    if (em_scene_parse(&scene, text, "short", 1, overrides, &err) ||
-        em_start_make(&balls, scene, NULL, NULL, &err) || em_world_new(&w, scene, balls, &err))
-      fail_msg("%s", err.text);
-    em_start_free(balls);
-    const double bytes = em_world_bytes_of_events(w);
-    if (em_world_run(w, 0.99 * w->epoch_length, NULL, &err)) fail_msg("%s", err.text);
-    assert_true(em_world_tally(w)->transfers > 20000);
-    assert_true(em_world_bytes_of_events(w) <= 2.0 * bytes);
-    close_world(w, scene);
+    struct trial t;
+    trial_open(&t, text, "engine.partition=%s", em_scene_partition_name((enum em_partition)k));
+    const double bytes = em_world_bytes_of_events(t.world);
+    trial_run(&t, 0.99 * t.world->epoch_length);
+    assert_true(em_world_tally(t.world)->transfers > 20000);
+    assert_true(em_world_bytes_of_events(t.world) <= 2.0 * bytes);
+    trial_free(&t);
   }
 }
 
