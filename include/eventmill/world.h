@@ -14,13 +14,21 @@
 
 struct em_world;
 
+/* With whom a ball has a contact, as one code: another ball (its index) or a surface, EM_SURFACE +
+ * the number of a wall (0, 1: x; 2, 3: y; 4, 5: z, the lower one first; or EM_WALL_DRUM) or a blade
+ * (EM_SURFACE_BLADE, numbered rotor after rotor). */
+enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
+#define EM_SURFACE          0xFFF00000u
+#define EM_NOBODY           0xFFFFFFFFu
+#define EM_SURFACE_BLADE(k) (EM_SURFACE + EM_WALLS + (uint32_t)(k))
+
 /* One contact, as observers see it. */
 struct em_contact {
   double time; /* s since the start of the run */
   enum em_class cls;
   uint32_t ball;        /* index of the ball (the smaller one of a pair) */
-  uint32_t partner;     /* the other ball, or the surface: blade number for EM_CLASS_BLADE, wall
-                           number (0, 1: x; 2, 3: y; 4, 5: z; 6: drum) for DRUM and END */
+  uint32_t partner;     /* the other ball; for EM_CLASS_BLADE the number of the blade, for DRUM
+                           and END that of the wall, without EM_SURFACE */
   struct em_vec place;  /* m, point of contact */
   struct em_vec normal; /* unit vector from the partner to the ball */
   double vn, vt;        /* m/s, ≥ 0 */
@@ -69,13 +77,14 @@ struct em_blade_tally {
  * epoch; spin may be NULL. A plain copy: owned by whoever made it. */
 struct em_snapshot {
   uint32_t count, blade_count;
+  double origin;                /* s since the start of the run: when the first epoch began */
   uint64_t epoch;               /* epochs gone */
   double clock;                 /* s within the epoch */
   struct em_vec *position;      /* m, at each ball's own time */
   struct em_vec *velocity;      /* m/s */
   struct em_vec *spin;          /* rad/s or NULL */
   double *time;                 /* s within the epoch: when the ball's last real event was */
-  uint32_t *last;               /* code of the last partner */
+  uint32_t *last;               /* code of the last partner, or EM_NOBODY */
   uint32_t *streak;             /* contacts in a row */
   double *blade_angle;          /* blade_count, rad at the epoch's start */
   struct em_blade_tally *blade; /* blade_count */
@@ -83,7 +92,8 @@ struct em_snapshot {
 };
 
 /* Makes a world. Keeps a reference to scene, which must outlive it; copies what it needs of balls.
- * Errors: EM_MEMORY, EM_INPUT (balls outside or overlapping at the start). */
+ * Errors: EM_MEMORY, EM_INPUT (balls outside or overlapping at the start; not as many as the scene
+ * has, or one whose radius and mass, em_start_mass, are not those of its species). */
 enum em_status em_world_new(struct em_world **world, const struct em_scene *scene,
                             const struct em_balls *balls, struct em_error *err);
 void em_world_free(struct em_world *world);
@@ -91,9 +101,10 @@ void em_world_free(struct em_world *world);
 /* Registers an observer; its pointer is copied. Errors: EM_MEMORY. */
 enum em_status em_world_observe(struct em_world *world, const struct em_observer *observer);
 
-/* Works off all events before `until` (s since the start). *stop, when it turns non-zero, ends the
- * run between two events (EM_STOPPED); stop may be NULL. Errors: EM_COLLAPSE, EM_JAM,
- * EM_MEMORY, EM_INTERNAL. After an error the state is that before the event in question. */
+/* Works off all events before `until` (s since the start; INFINITY: until there is none). *stop,
+ * when it turns non-zero, ends the run between two events (EM_STOPPED); stop may be NULL. Errors:
+ * EM_COLLAPSE, EM_JAM: the state is that before the event in question; EM_INPUT: `until` is NAN;
+ * EM_MEMORY: the world can only be freed. */
 enum em_status em_world_run(struct em_world *world, double until, const volatile sig_atomic_t *stop,
                             struct em_error *err);
 
@@ -121,16 +132,20 @@ struct em_energy em_world_energy(const struct em_world *world, const struct em_b
 /* Bin edges of em_tally.vn: lower edge of bin k (m/s), 0 ≤ k ≤ EM_TALLY_BINS. */
 double em_world_bin_edge(size_t k);
 
-/* A copy of all that a restart needs. */
+/* A copy of all that a restart needs; em_world_snapshot_free. Errors: EM_MEMORY. */
 enum em_status em_world_snapshot(const struct em_world *world, struct em_snapshot **snapshot,
                                  struct em_error *err);
-/* A copy from which a world of another scene can go on: all balls are where they are now, and have
- * met nobody yet. Between its contacts a ball's path depends on the scene. */
+/* A copy from which a world of another scene can go on: time, balls and blades are where they are
+ * now, and the balls have met nobody yet. Between its contacts a ball's path depends on the scene,
+ * and so does the length of an epoch. Errors: EM_MEMORY. */
 enum em_status em_world_snapshot_now(const struct em_world *world, struct em_snapshot **snapshot,
                                      struct em_error *err);
-/* A world that continues from a copy. */
+/* A world that continues from a copy; one of em_world_snapshot belongs to its own scene. Radii and
+ * masses are those of the scene, which must outlive the world. Errors: EM_MEMORY, EM_INPUT (the
+ * scene has not as many balls and blades). Balls are not checked for overlap. */
 enum em_status em_world_resume(struct em_world **world, const struct em_scene *scene,
                                const struct em_snapshot *snapshot, struct em_error *err);
+/* Room for a copy, all zero; NULL when memory is short. */
 struct em_snapshot *em_world_snapshot_new(uint32_t count, uint32_t blade_count, bool spin);
 void em_world_snapshot_free(struct em_snapshot *snapshot);
 

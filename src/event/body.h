@@ -24,13 +24,8 @@ struct em_body {
 /* Numbers of balls that do not fit into the nearest caches any more, into the next ones neither. */
 enum { EM_FETCH_CLOSE_FROM = 6000, EM_FETCH_FROM = 24576 };
 
-/* Partners are balls (their index, which leaves two bits to slots.h) or surfaces (EM_SURFACE +
- * number). */
+/* A ball's index leaves two bits to slots.h. */
 #define EM_BALLS_MOST 0x3FFFFFFF
-enum { EM_WALL_DRUM = 6, EM_WALLS = 7 };
-#define EM_SURFACE          0xFFF00000u
-#define EM_NOBODY           0xFFFFFFFFu
-#define EM_SURFACE_BLADE(k) (EM_SURFACE + EM_WALLS + (uint32_t)(k))
 
 /* A blade with what the loop asks of it. */
 struct em_turning {
@@ -70,6 +65,7 @@ struct em_world {
   /* Knobs beyond the choice of a quartic's solver; the drum's may be facets. */
   bool special_roots, special_drum, exact_pairs;
 
+  double origin;       /* s since the start: when the first epoch began */
   double epoch_length; /* s, a power of two */
   uint64_t epoch;
   double clock;  /* s within the epoch */
@@ -159,6 +155,11 @@ static inline struct em_vec em_body_wrap(const struct em_world *w, struct em_vec
   return (struct em_vec){x.x - w->period.x * floor((x.x - w->low.x) * w->per_period.x),
                          x.y - w->period.y * floor((x.y - w->low.y) * w->per_period.y),
                          x.z - w->period.z * floor((x.z - w->low.z) * w->per_period.z)};
+}
+
+/* The time t (s within the epoch) since the start (s). */
+static inline double em_body_absolute(const struct em_world *w, double t) {
+  return w->origin + ((double)w->epoch * w->epoch_length + t);
 }
 
 /* Position of ball i at time t (s within the epoch). */

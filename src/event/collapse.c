@@ -101,8 +101,8 @@ enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint
       "%s at %.9g s: ball %u at (%.6g, %.6g, %.6g) m, now with %s, had %u contacts in a row, each "
       "within %.3g s of the one before; %s",
       jam ? "jam without exit, between a blade and a wall," : "inelastic collapse",
-      (double)w->epoch * w->epoch_length + t, i, x.x, x.y, x.z, with,
-      w->scene->remedy.collapse_after, w->within, advice);
+      em_body_absolute(w, t), i, x.x, x.y, x.z, with, w->scene->remedy.collapse_after, w->within,
+      advice);
 }
 
 bool em_collapse_sticks(const struct em_world *w, const struct em_contact_law *law, double vn) {
@@ -125,5 +125,5 @@ enum em_status em_collapse_stuck(const struct em_world *w, uint32_t i, uint32_t 
       err, EM_COLLAPSE, w->scene->file, 0,
       "inelastic collapse at %.9g s: ball %u at (%.6g, %.6g, %.6g) m and ball %u hit each other "
       "ever more often, by now at %.3g m/s; remedy.tc or remedy.elastic_below prevents it",
-      (double)w->epoch * w->epoch_length + t, i, x.x, x.y, x.z, j, vn);
+      em_body_absolute(w, t), i, x.x, x.y, x.z, j, vn);
 }

@@ -215,7 +215,7 @@ static inline struct em_vec velocity(const struct em_body *b) {
 }
 
 static inline double absolute(const struct em_world *w, double t) {
-  return (double)w->epoch * w->epoch_length + t;
+  return em_body_absolute(w, t);
 }
 
 static inline void mark(struct em_world *w, uint32_t i, uint32_t partner, uint32_t streak) {

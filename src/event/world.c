@@ -136,6 +136,26 @@ static unsigned lanes_of(const struct em_engine *engine) {
   return 1;
 }
 
+/* Everything that is worked out from the scene's species must be true of the balls. */
+static enum em_status check_balls(const struct em_scene *scene, const struct em_balls *balls,
+                                  struct em_error *err) {
+  if (balls->count != em_scene_ball_count(scene))
+    return em_error_set(err, EM_INPUT, scene->file, 0, "%zu balls, expected the scene's %zu",
+                        balls->count, em_scene_ball_count(scene));
+  size_t i = 0;
+  for (size_t k = 0; k < scene->species_count; k++) {
+    const struct em_species *s = &scene->species[k];
+    const double r = 0.5 * s->diameter, m = em_start_mass(s);
+    for (const size_t end = i + s->count; i < end; i++)
+      if (balls->radius[i] != r || balls->mass[i] != m)
+        return em_error_set(err, EM_INPUT, scene->file, 0,
+                            "ball %zu has a radius of %.6g m and a mass of %.6g kg, expected "
+                            "%.6g m and %.6g kg, as the species \"%s\" has",
+                            i, balls->radius[i], balls->mass[i], r, m, s->name);
+  }
+  return EM_OK;
+}
+
 /* A world with its balls, but without lists. */
 static enum em_status begin(struct em_world **world, const struct em_scene *scene,
                             const struct em_balls *balls, struct em_error *err) {
@@ -143,6 +163,8 @@ static enum em_status begin(struct em_world **world, const struct em_scene *scen
   if (balls->count > EM_BALLS_MOST)
     return em_error_set(err, EM_INPUT, scene->file, 0, "balls: %zu are too many; at most %d",
                         balls->count, EM_BALLS_MOST);
+  const enum em_status status = check_balls(scene, balls, err);
+  if (status) return status;
   struct em_world *w = calloc(1, sizeof *w);
   if (!w) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the world");
   w->scene = scene;
@@ -236,7 +258,7 @@ enum em_status em_world_observe(struct em_world *w, const struct em_observer *ob
 /* --- running ---------------------------------------------------------------------------------- */
 
 static double local_time(const struct em_world *w, double time) {
-  return time - (double)w->epoch * w->epoch_length;
+  return (time - w->origin) - (double)w->epoch * w->epoch_length;
 }
 
 /* Works off events before `limit` (s within the epoch), at most *left collisions; before the
@@ -258,6 +280,8 @@ static enum em_status run_before(struct em_world *w, double limit, uint64_t *lef
 enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_t count,
                                        const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t left = count;
+  if (isnan(until))
+    return em_error_set(err, EM_INPUT, NULL, 0, "the time to run to is not a number");
   while (left > 0) {
     if (stop && *stop) return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
     const double limit = local_time(w, until);
@@ -281,7 +305,7 @@ enum em_status em_world_run(struct em_world *w, double until, const volatile sig
 /* --- asking ----------------------------------------------------------------------------------- */
 
 double em_world_time(const struct em_world *w) {
-  return (double)w->epoch * w->epoch_length + w->clock;
+  return em_body_absolute(w, w->clock);
 }
 
 size_t em_world_count(const struct em_world *w) {
@@ -411,6 +435,7 @@ enum em_status em_world_snapshot(const struct em_world *w, struct em_snapshot **
                                  struct em_error *err) {
   struct em_snapshot *s = em_world_snapshot_new(w->count, w->blade_count, w->spin != NULL);
   if (!s) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a checkpoint");
+  s->origin = w->origin;
   s->epoch = w->epoch;
   s->clock = w->clock;
   for (uint32_t i = 0; i < w->count; i++) {
@@ -434,15 +459,22 @@ enum em_status em_world_snapshot(const struct em_world *w, struct em_snapshot **
 enum em_status em_world_snapshot_now(const struct em_world *w, struct em_snapshot **snapshot,
                                      struct em_error *err) {
   const enum em_status status = em_world_snapshot(w, snapshot, err);
-  for (uint32_t i = 0; !status && i < w->count; i++) {
-    struct em_snapshot *s = *snapshot;
+  if (status) return status;
+  struct em_snapshot *s = *snapshot;
+  s->origin = em_world_time(w);
+  s->epoch = 0;
+  s->clock = 0.0;
+  for (uint32_t i = 0; i < w->count; i++) {
     s->position[i] = em_body_wrap(w, em_body_at(w, i, w->clock));
     s->velocity[i] = em_body_velocity(w, i, w->clock);
-    s->time[i] = w->clock;
+    s->time[i] = 0.0;
     s->last[i] = EM_NOBODY;
     s->streak[i] = 0;
   }
-  return status;
+  for (uint32_t k = 0; k < w->blade_count; k++)
+    s->blade_angle[k] =
+        fmod(w->blade[k].blade.angle + w->blade[k].blade.omega * w->clock, 2.0 * M_PI);
+  return EM_OK;
 }
 
 /* Radii and masses come from the scene; everything else from the snapshot. */
@@ -472,6 +504,7 @@ static enum em_status balls_of(const struct em_scene *scene, const struct em_sna
 }
 
 static void restore(struct em_world *w, const struct em_snapshot *s) {
+  w->origin = s->origin;
   w->epoch = s->epoch;
   w->clock = s->clock;
   w->tally = s->tally;

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "event/body.h"
 #include "eventmill/surface_roots.h"
+#include "eventmill/world.h"
 #include "tool/mill_cost.h"
 
 /* One ball's flight: its state after its last event, and how long it flew. */

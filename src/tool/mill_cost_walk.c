@@ -26,6 +26,7 @@ static enum em_status resume(struct em_world **world, const struct em_snapshot *
   struct em_snapshot *s =
       em_world_snapshot_new(n, blades, em_scene_effects(scene) & EM_EFFECT_SPIN);
   if (!s) return em_mill_cost_no_memory(err);
+  s->origin = from->origin;
   s->epoch = from->epoch;
   s->clock = from->clock;
   memcpy(s->position, from->position, n * sizeof *s->position);

@@ -110,7 +110,7 @@ static void crystal(void **state) {
                                        ((double)(c / 49) + part[i % 4][2] + 0.25) * cell);
     t.balls->velocity[i] = dice_direction(&seed);
     t.balls->radius[i] = 0.5 * d;
-    t.balls->mass[i] = 1e-3;
+    t.balls->mass[i] = em_start_mass(&t.scene->species[0]);
   }
   trial_world(&t);
   const double energy = trial_energy(&t);

@@ -135,15 +135,16 @@ static void test_numbers(void **state) {
   assert_true(collide_from(0, "") == collide_from(UINT32_MAX - 1000, "engine.lists=all"));
 }
 
-/* In another scene balls go on from where they are: with the paths since their last contacts of the
- * new one, they would overlap. */
-static void go_on(const char *scene, const char *overrides, double after) {
+/* In another scene balls and blades go on from where they are, at the same time: with the paths
+ * since their last contacts of the new one, they would overlap; its epochs may be longer. */
+static void go_on(const char *scene, const char *overrides, const char *others, double after) {
   struct trial from, to;
   struct em_snapshot *s;
   trial_open(&from, scene, "%s", overrides);
   trial_run(&from, after);
   assert_int_equal(em_world_snapshot_now(from.world, &s, &from.err), EM_OK);
-  trial_open(&to, scene, "%s gravity=[-3,0,-9.81] contact.normal=0.9", overrides);
+  trial_open(&to, scene, "%s gravity=[-3,0,-9.81] contact.normal=0.9 %s", overrides, others);
+  assert_true(!*others || to.world->epoch_length != from.world->epoch_length);
   go_on_from(&to, s);
   const double t = em_world_time(from.world);
   assert_true(em_world_time(to.world) == t);
@@ -163,9 +164,12 @@ static void go_on(const char *scene, const char *overrides, double after) {
 
 static void test_other_scenes(void **state) {
   (void)state;
-  go_on("geometries/ideal-gas.cfg", "", 0.03);
-  go_on(periodic, "contact.rule=smooth", 0.03);
-  go_on(MILL, "gravity=none balls.count=700 rotor.rpm=800", 0.03);
+  go_on("geometries/ideal-gas.cfg", "", "", 0.03);
+  go_on(periodic, "contact.rule=smooth", "", 0.03);
+  go_on(MILL, "gravity=none balls.count=700 rotor.rpm=800", "", 0.03);
+  go_on(MILL, "gravity=none balls.count=700 rotor.rpm=800", "rotor.rpm=3000", 0.03);
+  go_on(MILL, "gravity=none balls.count=700 rotor.rpm=3000 remedy.elastic_below=0.001",
+        "rotor.rpm=-500", 0.03);
 }
 
 int main(void) {
