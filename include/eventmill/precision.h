@@ -69,9 +69,9 @@ struct em_interval em_precision_shift(const struct em_precision *a, const struct
  * EM_PRECISION_LEAST independent values, leave them nearly as good as they say. */
 bool em_precision_is_due(const struct em_precision *p);
 
-/* Finds each target over all blocks (found: count). Returns whether all are reached: the value is
- * not 0, and its half width at most what was wanted, and known from EM_PRECISION_LEAST independent
- * values. */
+/* Finds each target over all blocks (found: count, or NULL). Returns whether all are reached: the
+ * value is not 0, and its half width at most what was wanted, and known from EM_PRECISION_LEAST
+ * independent values. */
 bool em_precision_judge(const struct em_precision *p, const struct em_precision_target *target,
                         size_t count, struct em_precision_found *found);
 

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "record/provenance.h"
+#include "record/recorder_start.h"
 #include "record/summary.h"
 #include "record/writer.h"
 
@@ -20,7 +21,8 @@ static const double AT_EVERY_LOOK = 1e-3;
 
 struct recorder {
   const struct em_scene *scene;
-  struct em_scene *stored; /* the scene of a run that is resumed, owned; else NULL */
+  struct em_scene
+      *own; /* a copy, owned: that of a run that is resumed, or with its blades turned */
   const struct em_recorder_options *options;
   struct em_world *world;
   struct em_writer *writer;         /* NULL: no file */
@@ -186,9 +188,11 @@ static void observe(void *self, const struct em_contact *contact) {
 }
 
 static enum em_status begin_observing(struct recorder *r, struct em_error *err) {
-  const struct em_observer observer = {.self = r, .contact = observe};
-  if (!r->writer || !r->scene->record.collisions) return EM_OK;
-  return em_world_observe(r->world, &observer) ? no_memory(err) : EM_OK;
+  const struct em_observer table = {.self = r, .contact = observe}, *caller = r->options->observer;
+  enum em_status status = EM_OK;
+  if (r->writer && r->scene->record.collisions) status = em_world_observe(r->world, &table);
+  if (!status && caller) status = em_world_observe(r->world, caller);
+  return status ? no_memory(err) : EM_OK;
 }
 
 static void tell(struct recorder *r, double now) {
@@ -254,7 +258,8 @@ static enum em_status run(struct recorder *r, struct em_error *err) {
   return status;
 }
 
-/* Why it ended; failures of the file itself cannot be stored in it. */
+/* Why it ended; failures of the file itself cannot be stored in it. What ended the run counts more
+ * than that its end is not in the file. */
 static enum em_status conclude(struct recorder *r, enum em_status status, struct em_error *err) {
   r->state.end = status == EM_OK         ? EM_END_DONE
                  : status == EM_STOPPED  ? EM_END_INTERRUPTED
@@ -269,6 +274,8 @@ static enum em_status conclude(struct recorder *r, enum em_status status, struct
   struct em_error inner = {0};
   const enum em_status stored = flush(r, true, &inner);
   if (!stored) return status;
+  if (r->state.end > EM_END_INTERRUPTED)
+    return em_error_add(err, status, NULL, 0, "nor is the end in the run file:\n%s", inner.text);
   if (err) *err = inner;
   return stored;
 }
@@ -295,23 +302,11 @@ static void clear(struct recorder *r) {
   em_start_free(r->balls);
   em_summary_end(&r->part);
   em_precision_free(r->precision);
-  em_scene_free(r->stored);
+  em_scene_free(r->own);
   free(r->speeds);
   free(r->impulse);
   free(r->block_base);
   free(r->block);
-}
-
-enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
-                                 const volatile sig_atomic_t *stop, struct em_error *err) {
-  struct em_balls *previous = NULL;
-  enum em_status status = EM_OK;
-  for (size_t i = 0; i < scene->species_count && !status && !previous; i++)
-    if (scene->species[i].start == EM_START_RUN)
-      status = em_run_file_last(scene->species[i].from, &previous, err);
-  if (!status) status = em_start_make(start, scene, previous, stop, err);
-  em_start_free(previous);
-  return status;
 }
 
 static void remember_start(struct recorder *r) {
@@ -334,7 +329,9 @@ static enum em_status create_file(struct recorder *r, const struct em_balls *sta
 
 static enum em_status start_new(struct recorder *r, struct em_error *err) {
   struct em_balls *start = NULL;
-  enum em_status status = em_recorder_start(&start, r->scene, r->options->stop, err);
+  enum em_status status = em_recorder_start_scene(&r->own, r->scene, err);
+  if (r->own) r->scene = r->own;
+  if (!status) status = em_recorder_start(&start, r->scene, r->options->stop, err);
   if (!status) status = em_world_new(&r->world, r->scene, start, err);
   if (!status) remember_start(r);
   em_provenance_begin(&r->session, r->options->command, 0.0);
@@ -391,17 +388,17 @@ static enum em_status take_scene(struct recorder *r, const struct em_run_file *f
   free(b);
   b = NULL;
   if (!status)
-    status = em_scene_parse(&r->stored, em_run_file_scene_text(file), name, 1, overrides, err);
+    status = em_scene_parse(&r->own, em_run_file_scene_text(file), name, 1, overrides, err);
   if (!status) {
-    take_origin(wanted, r->stored);
-    a = em_scene_text(r->stored);
+    take_origin(wanted, r->own);
+    a = em_scene_text(r->own);
     b = em_scene_text(wanted);
     status = a && b ? compare_texts(a, b, em_run_file_path(file), err) : no_memory(err);
   }
   em_scene_free(wanted);
   free(a);
   free(b);
-  if (!status) r->scene = r->stored;
+  if (!status) r->scene = r->own;
   return status;
 }
 
@@ -511,6 +508,7 @@ static void summarize(struct recorder *r, struct em_summary *summary) {
   look(r, &now, r->state.time);
   const double wall = wall_clock() - r->begun;
   em_summary_fill(summary, &r->part, r->scene, r->world, &r->state, &now);
+  summary->begun = true;
   summary->resumed = r->resumed;
   summary->wall_time = wall;
   const uint64_t done = summary->collisions - r->at_begin;
@@ -561,6 +559,7 @@ enum em_status em_recorder_run(const struct em_scene *scene,
                                const struct em_recorder_options *options,
                                struct em_summary *summary, bool *created, struct em_error *err) {
   struct recorder r = {.scene = scene, .options = options};
+  if (summary) *summary = (struct em_summary){.begun = false};
   enum em_status status = start(&r, err);
   if (!status) status = begin_observing(&r, err);
   if (!status) {

@@ -202,8 +202,8 @@ bool em_precision_judge(const struct em_precision *p, const struct em_precision_
     const bool trusted =
         (double)blocks >= EM_PRECISION_LEAST * f.inefficiency && f.freedom >= LEAST_FREEDOM;
     const bool narrow = f.value != 0.0 && f.half <= t->wanted * fabs(f.value);
-    found[k] = (struct em_precision_found){f, trusted && narrow};
-    all = all && found[k].reached;
+    if (found) found[k] = (struct em_precision_found){f, trusted && narrow};
+    all = all && trusted && narrow;
   }
   return all;
 }

@@ -55,10 +55,9 @@ int em_mill_usage(const struct em_mill_help *help, const char *what, const char 
 int em_mill_unknown(const struct em_mill_help *help, const char *letters, int letter,
                     const char *name, const char *word);
 
-/* Reads the scene; turns its blades, when its balls start from a run, to where they stood then;
- * both at once. Print errors. Return -1, or the exit code. */
+/* Reads the scene; also turns its blades, when its balls start from a run, to where they stood
+ * then. Print errors. Return -1, or the exit code. */
 int em_mill_read(struct em_scene **scene, const struct em_mill_options *options);
-int em_mill_turn(struct em_scene *scene);
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
 
 /* From now on the first SIGINT or SIGTERM asks for an end by what this points to; the second has

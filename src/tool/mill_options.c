@@ -121,12 +121,9 @@ int em_mill_read(struct em_scene **scene, const struct em_mill_options *options)
   return status ? refuse(&err) : -1;
 }
 
-int em_mill_turn(struct em_scene *scene) {
-  struct em_error err = {0};
-  return em_run_file_turn(scene, &err) ? refuse(&err) : -1;
-}
-
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options) {
+  struct em_error err = {0};
   const int code = em_mill_read(scene, options);
-  return code < 0 ? em_mill_turn(*scene) : code;
+  if (code >= 0) return code;
+  return em_run_file_turn(*scene, &err) ? refuse(&err) : -1;
 }

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "tool/mill.h"
 #include "tool/progress.h"
@@ -102,7 +101,8 @@ static void advise(const struct em_error *err, const struct em_scene *scene, con
     fprintf(stderr, "%s is valid up to its last flush, and can be resumed with --resume\n", path);
     return;
   }
-  fprintf(stderr, "%s holds all up to there. To get beyond, begin anew with a remedy", path);
+  fprintf(stderr, "%s is valid up to its last flush. To get beyond, begin anew with a remedy",
+          path);
   if (can_start_from(scene))
     fprintf(stderr,
             ", or go on from its last frame with one: balls.start=run balls.from=%s -o NEW.h5",
@@ -181,7 +181,7 @@ static int run(const struct em_scene *scene, const struct em_mill_options *optio
   struct em_error err = {0};
   bool created = false, begun = false;
   const enum em_status status = em_recorder_run(scene, &record, &summary, &created, &err);
-  begun = summary.wall_time > 0.0;
+  begun = summary.begun;
   em_progress_end(progress);
   if (status == EM_STOPPED && path && begun)
     fprintf(stderr, "interrupted at %.6g s; %s is valid and can be resumed with --resume\n",
@@ -205,15 +205,14 @@ static int check_path(const char *path) {
   return EM_MILL_USAGE;
 }
 
-/* Runs a scene that has been read. One that is resumed has its blades in its checkpoint. */
-static int run_scene(struct em_scene *scene, const struct em_mill_options *options, char *command) {
+/* Runs a scene that has been read. */
+static int run_scene(const struct em_scene *scene, const struct em_mill_options *options,
+                     char *command) {
   char name[EM_SCENE_PATH];
   em_recorder_default_path(scene, name, sizeof name);
   const char *path = options->out ? options->out : name;
   if (strcmp(path, "none") == 0 && options->out) path = NULL;
-  int code = path ? check_path(path) : -1;
-  const bool resumes = path && options->resume && access(path, F_OK) == 0;
-  if (code < 0 && !resumes) code = em_mill_turn(scene);
+  const int code = path ? check_path(path) : -1;
   if (code >= 0) return code;
   if (!options->out && !options->quiet) fprintf(stderr, "writing %s\n", path);
   return run(scene, options, path, command);
