@@ -5,9 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/locale.h"
+
 /* Starts ffmpeg: raw frames come from its standard input, the film goes to `output`. */
 static enum em_status start(struct em_child *child, const char *output, int width, int height,
                             double fps, int quality, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   char size[32], rate[32], crf[16];
   snprintf(size, sizeof size, "%dx%d", width, height);
   snprintf(rate, sizeof rate, "%.6g", fps);

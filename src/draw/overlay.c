@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "eventmill/plot.h"
+#include "num/locale.h"
 
 struct paper {
   cairo_t *c;
@@ -169,6 +170,7 @@ static void draw_title(const struct paper *p, const struct em_scene *scene) {
 
 void em_overlay_ground(cairo_surface_t *surface, const struct em_scene *scene,
                        const struct em_picture_options *options, const struct em_colour_map *map) {
+  EM_LOCALE_PLAIN;
   const struct paper p = paper_on(surface, options);
   fill_ground(&p);
   if (!options->hide_legend) {
@@ -202,6 +204,7 @@ static void draw_histogram(const struct paper *p, const struct em_colour_map *ma
 
 void em_overlay_moment(cairo_surface_t *surface, const struct em_picture_options *options,
                        const struct em_colour_map *map, double time, const unsigned *bin) {
+  EM_LOCALE_PLAIN;
   if (options->hide_legend) return;
   const struct paper p = paper_on(surface, options);
   char text[64];

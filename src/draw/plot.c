@@ -6,6 +6,7 @@
 #include "draw/gnuplot.h"
 #include "draw/plot_texts.h"
 #include "eventmill/colour.h"
+#include "num/locale.h"
 
 const uint8_t *em_plot_colour(const struct em_plot *plot, size_t k) {
   unsigned next = 0;
@@ -153,6 +154,7 @@ static bool has_points(const struct em_plot *plot) {
 }
 
 enum em_status em_plot_draw(const struct em_plot *plot, const char *path, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   struct em_gnuplot g;
   if (!has_points(plot)) return em_error_set(err, EM_INPUT, path, 0, "there is nothing to draw");
   const enum em_status status = em_gnuplot_begin(&g, path, plot->width > 0 ? plot->width : 1200,

@@ -4,6 +4,7 @@
 #include "draw/gnuplot.h"
 #include "eventmill/colour.h"
 #include "eventmill/plot.h"
+#include "num/locale.h"
 
 /* Beyond this ratio of the largest to the smallest figure the axis is logarithmic: short bars
  * stay visible beside long ones. */
@@ -99,6 +100,7 @@ static void write_bars(struct em_gnuplot *g, const struct em_plot_bars *bars) {
 
 enum em_status em_plot_bars(const struct em_plot_bars *bars, const char *path,
                             struct em_error *err) {
+  EM_LOCALE_PLAIN;
   size_t drawn = 0;
   for (size_t k = 0; k < bars->count; k++)
     drawn += is_drawn(bars, k);

@@ -4,6 +4,7 @@
 #include "draw/gnuplot.h"
 #include "eventmill/colour.h"
 #include "eventmill/plot.h"
+#include "num/locale.h"
 
 static bool is_shown(const struct em_plot_map *map, double value) {
   return isfinite(value) && (!map->log_value || value > 0.0);
@@ -101,6 +102,7 @@ static void write_label(struct em_gnuplot *g, const char *axis, const char *labe
 }
 
 enum em_status em_plot_map(const struct em_plot_map *map, const char *path, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   struct em_gnuplot g;
   double low, high;
   if (!range_of(map, &low, &high))

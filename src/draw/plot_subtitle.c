@@ -4,6 +4,8 @@
 
 #include "eventmill/plot.h"
 
+#include "num/locale.h"
+
 struct line {
   char *text;
   size_t size, used;
@@ -37,6 +39,7 @@ static void add_speeds(struct line *line, const struct em_scene *scene) {
 }
 
 void em_plot_subtitle(const struct em_scene *scene, char *text, size_t size) {
+  EM_LOCALE_PLAIN;
   struct line line = {text, size, 0};
   if (size == 0) return;
   text[0] = '\0';

@@ -10,6 +10,7 @@
 #include "eventmill/colour.h"
 #include "eventmill/picture.h"
 #include "eventmill/plot.h"
+#include "num/locale.h"
 #include "record/output.h"
 #include "view_page.h"
 
@@ -248,6 +249,7 @@ static enum em_status write_file(const struct page *page, const char *path, size
 enum em_status em_view_write(const struct em_run_file *run, const struct em_view_options *options,
                              const char *path, struct em_view_report *report,
                              struct em_error *err) {
+  EM_LOCALE_PLAIN;
   struct em_view_frames frames = {0};
   struct em_motion *motion = NULL;
   size_t bytes = 0;

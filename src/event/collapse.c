@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "event/partition.h"
+#include "num/locale.h"
 
 void em_collapse_partner(uint32_t partner, char *text, size_t room) {
   if (partner < EM_SURFACE)
@@ -80,6 +81,7 @@ static double gliding(const struct em_world *w, uint32_t i, double t, struct hol
 /* A jam is what hangs between a blade and a wall; anything else has collapsed by itself. */
 enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint32_t partner,
                                   double t, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   struct em_world *w = (struct em_world *)(uintptr_t)world; /* candidates use scratch */
   char with[64];
   em_collapse_partner(partner, with, sizeof with);

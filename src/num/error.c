@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "num/locale.h"
+
 #undef em_error_set
 #undef em_error_add
 
@@ -19,6 +21,7 @@ static void append(struct em_error *err, const char *format, va_list args)
     __attribute__((format(printf, 2, 0)));
 
 static void append(struct em_error *err, const char *format, va_list args) {
+  EM_LOCALE_PLAIN;
   size_t used = strlen(err->text);
   vsnprintf(err->text + used, sizeof err->text - used, format, args);
 }

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "num/locale.h"
 #include "record/provenance.h"
 #include "record/recorder_start.h"
 #include "record/summary.h"
@@ -379,6 +380,7 @@ static enum em_status compare_texts(const char *stored, const char *wanted, cons
  * goes on. */
 static enum em_status take_scene(struct recorder *r, const struct em_run_file *file,
                                  struct em_error *err) {
+  EM_LOCALE_PLAIN;
   char duration[64];
   snprintf(duration, sizeof duration, "duration=%.17g", r->scene->duration);
   const char *overrides[1] = {duration}, *name = r->scene->file;

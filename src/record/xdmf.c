@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/locale.h"
 #include "record/layout.h"
 #include "record/output.h"
 #include "record/run_file_inside.h"
@@ -111,6 +112,7 @@ static void put_all(const struct sidecar *s) {
 
 enum em_status em_xdmf_write(const struct em_run_file *file, const char *path,
                              enum em_xdmf_form form, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   if (file->frames == 0 || file->balls == 0)
     return em_error_set(err, EM_INPUT, file->path, 0, "has no frames to show");
   struct sidecar s = {.file = file, .form = form, .data = data_name(file->path, path, form)};

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/locale.h"
 #include "scene/scene_check.h"
 #include "scene/scene_fill.h"
 #include "scene/scene_override.h"
@@ -72,7 +73,7 @@ static void build(struct em_scene_report *report, struct em_scene *scene) {
 /* Reads the joined text into the tree, puts the overrides in, builds. */
 static void read_tree(struct em_scene_report *report, config_t *tree, struct em_scene *scene,
                       size_t override_count, const char *const *overrides) {
-  if (config_read_string(tree, report->source->text) != CONFIG_TRUE) {
+  if (!em_scene_source_read(tree, report->source->text)) {
     int line;
     const char *file = em_scene_source_place(report->source, config_error_line(tree), &line);
     em_scene_report_line(report, file, line, "%s, expected NAME = VALUE;", config_error_text(tree));
@@ -86,6 +87,7 @@ static void read_tree(struct em_scene_report *report, config_t *tree, struct em_
 enum em_status em_scene_parse(struct em_scene **scene, const char *text, const char *name,
                               size_t override_count, const char *const *overrides,
                               struct em_error *err) {
+  EM_LOCALE_PLAIN;
   *scene = NULL;
   struct em_error unread = {0};
   err = err ? err : &unread;
@@ -147,6 +149,7 @@ void em_scene_free(struct em_scene *scene) {
 /* ---- printing */
 
 enum em_status em_scene_print(const struct em_scene *scene, FILE *out) {
+  EM_LOCALE_PLAIN;
   em_scene_print_all(scene, out);
   return ferror(out) ? EM_FILE : EM_OK;
 }

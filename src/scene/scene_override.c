@@ -361,7 +361,7 @@ static bool read_value(const struct override *o, config_t *tree, const char *tex
   enum em_status status = em_scene_source_join(&source, line, "command line", &inner);
   free(line);
   if (status == EM_MEMORY) em_scene_report_memory(o->report);
-  bool good = status == EM_OK && config_read_string(tree, source.text) == CONFIG_TRUE &&
+  bool good = status == EM_OK && em_scene_source_read(tree, source.text) &&
               config_setting_length(config_root_setting(tree)) == 1;
   em_scene_source_free(&source);
   if (good || status == EM_MEMORY) return good;

@@ -6,7 +6,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
-#include <stdbool.h>
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -339,6 +339,13 @@ const char *em_scene_source_place(const struct em_scene_source *source, int join
     *line = source->piece[k].line + (joined - source->piece[k].first);
   }
   return file;
+}
+
+bool em_scene_source_read(config_t *tree, const char *text) {
+  const locale_t before = uselocale((locale_t)0);
+  const bool good = config_read_string(tree, text) == CONFIG_TRUE;
+  uselocale(before);
+  return good;
 }
 
 void em_scene_source_free(struct em_scene_source *source) {

@@ -2,6 +2,8 @@
 #ifndef EVENTMILL_SCENE_SCENE_SOURCE_H
 #define EVENTMILL_SCENE_SCENE_SOURCE_H
 
+#include <libconfig.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "eventmill/error.h"
@@ -43,6 +45,10 @@ enum em_status em_scene_source_load(char **text, const char *path, struct em_err
 char *em_scene_source_beside(const char *base, const char *path);
 /* The same, but absolute: it means the same from any folder. */
 char *em_scene_source_whole(const char *base, const char *path);
+
+/* Reads joined text into a tree, as config_read_string does, but keeps this thread's locale, which
+ * that function changes to the program's. */
+bool em_scene_source_read(config_t *tree, const char *text);
 
 /* The file and its line that a line of the joined text came from. */
 const char *em_scene_source_place(const struct em_scene_source *source, int joined, int *line);

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "num/locale.h"
+
 enum { BINS = EM_PRECISION_PER_OCTAVE * EM_PRECISION_OCTAVES };
 
 struct em_precision {
@@ -264,6 +266,7 @@ static enum em_status read_one(struct em_precision_target *target, char *text,
 
 enum em_status em_precision_read(struct em_precision_target *target, size_t *count,
                                  const char *text, struct em_error *err) {
+  EM_LOCALE_PLAIN;
   char *copy = strdup(text), *rest = NULL;
   if (!copy) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   enum em_status status = EM_OK;
@@ -277,6 +280,7 @@ enum em_status em_precision_read(struct em_precision_target *target, size_t *cou
 }
 
 void em_precision_name(const struct em_precision_target *target, char *text, size_t size) {
+  EM_LOCALE_PLAIN;
   if (target->kind == EM_PRECISION_RATE)
     snprintf(text, size, "rate(vn>%g)", target->above);
   else
