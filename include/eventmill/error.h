@@ -1,4 +1,7 @@
-/* Status codes and the error report that every fallible function fills. */
+/* Status codes and the error report that every fallible function fills.
+ *
+ * GSL, on which the library stands, ends the program where it fails, unless the program turns that
+ * off: gsl_set_error_handler_off(), once at its start, and there are statuses instead. */
 #ifndef EVENTMILL_ERROR_H
 #define EVENTMILL_ERROR_H
 

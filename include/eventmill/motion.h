@@ -27,7 +27,8 @@ double em_motion_first(const struct em_motion *motion);
 double em_motion_last(const struct em_motion *motion);
 bool em_motion_is_exact(const struct em_motion *motion);
 
-/* Goes to a time (s), which is clamped to the frames' span. Rising times are fastest. */
+/* Goes to a time (s), which is clamped to the frames' span. Rising times are fastest. Errors:
+ * EM_MEMORY, EM_FORMAT (the file is damaged). */
 enum em_status em_motion_seek(struct em_motion *motion, double time, struct em_error *err);
 
 /* At that time: all balls (owned by the motion); one ball; the blades' angles (rad), one per blade;

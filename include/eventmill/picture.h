@@ -88,7 +88,7 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
                                uint8_t *rgba, struct em_error *err);
 
 /* Three states as the red, green and blue channel of one picture (Reichardt 2005, 7.1.1): what
- * rests is grey, what moves a coloured triplet. */
+ * rests is grey, what moves a coloured triplet. Errors: those of em_picture_draw. */
 enum em_status em_picture_triple(struct em_picture *picture, const struct em_picture_state state[3],
                                  uint8_t *rgba, struct em_error *err);
 

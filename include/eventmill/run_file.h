@@ -64,6 +64,7 @@ const char *em_run_file_path(const struct em_run_file *file);
 const struct em_scene *em_run_file_scene(const struct em_run_file *file);
 const char *em_run_file_scene_text(const struct em_run_file *file);
 const struct em_run_state *em_run_file_state(const struct em_run_file *file);
+/* Session k < count. Errors: EM_FORMAT (damaged). */
 size_t em_run_file_session_count(const struct em_run_file *file);
 enum em_status em_run_file_session(const struct em_run_file *file, size_t k,
                                    struct em_run_session *session, struct em_error *err);
@@ -76,26 +77,32 @@ size_t em_run_file_frame_count(const struct em_run_file *file);
 double em_run_file_frame_time(const struct em_run_file *file, size_t k); /* s */
 size_t em_run_file_frame_before(const struct em_run_file *file, double time);
 
-/* Balls with mass, radius and species filled in, for em_run_file_frame; em_start_free. */
+/* Balls with mass, radius and species filled in, for em_run_file_frame; em_start_free. Errors:
+ * EM_MEMORY, EM_FORMAT (damaged). */
 enum em_status em_run_file_balls(const struct em_run_file *file, struct em_balls **balls,
                                  struct em_error *err);
-/* Positions, velocities and spins (0 when the scene has none) of frame k. */
+/* Positions, velocities and spins (0 when the scene has none) of frame k. Errors: EM_INPUT (no such
+ * frame, or another number of balls), EM_FORMAT (damaged). */
 enum em_status em_run_file_frame(const struct em_run_file *file, size_t k, struct em_balls *balls,
                                  struct em_error *err);
-/* The last frame of the file at `path`: what species with start = "run" begin from. */
+/* The last frame of the file at `path`: what species with start = "run" begin from; em_start_free.
+ * Errors: those of em_run_file_open, _balls and _frame, EM_INPUT (no frames). */
 enum em_status em_run_file_last(const char *path, struct em_balls **balls, struct em_error *err);
 /* Turns the blades of a scene whose balls start from a run to where they stood at that run's last
- * frame, when it had as many blades; other scenes stay as they are. */
+ * frame, when it had as many blades; other scenes stay as they are. em_recorder_run does so by
+ * itself. Errors: those of em_run_file_open. */
 enum em_status em_run_file_turn(struct em_scene *scene, struct em_error *err);
 
-/* Observables: names as in docs/run-file.md ("kinetic_energy", "collisions", ...). */
+/* Observables: names as in docs/run-file.md ("kinetic_energy", "collisions", ...). A series is to
+ * be freed. Errors: EM_INPUT (no such observable), EM_MEMORY, EM_FORMAT (damaged). */
 bool em_run_file_has(const struct em_run_file *file, const char *name);
 enum em_status em_run_file_series(const struct em_run_file *file, const char *name,
                                   struct em_series **series, struct em_error *err);
 void em_run_file_series_free(struct em_series *series);
 
 /* Online histograms of v_n: blocks of time that follow one another without a gap. edges has
- * bins + 1 entries (m/s); counts is [EM_CLASS_COUNT * bins], class after class. */
+ * bins + 1 entries (m/s); counts is [EM_CLASS_COUNT * bins], class after class. Errors: EM_INPUT
+ * (no such block), EM_FORMAT (damaged). */
 size_t em_run_file_bins(const struct em_run_file *file);
 const double *em_run_file_edges(const struct em_run_file *file);
 size_t em_run_file_block_count(const struct em_run_file *file);
@@ -133,11 +140,13 @@ void em_run_file_rows_free(struct em_rows *rows);
 
 bool em_run_file_has_rows(const struct em_run_file *file);
 uint64_t em_run_file_row_count(const struct em_run_file *file);
-/* Reads the rows from `first` on, at most EM_ROWS_BLOCK; rows->count is 0 at the end. */
+/* Reads the rows from `first` on, at most EM_ROWS_BLOCK; rows->count is 0 at the end. Errors:
+ * EM_FORMAT (damaged). */
 enum em_status em_run_file_rows(const struct em_run_file *file, uint64_t first,
                                 struct em_rows *rows, struct em_error *err);
 
-/* The engine's state at the last flush; em_world_snapshot_free. */
+/* The engine's state at the last flush; em_world_snapshot_free. Errors: EM_MEMORY, EM_FORMAT
+ * (damaged). */
 enum em_status em_run_file_checkpoint(const struct em_run_file *file, struct em_snapshot **snapshot,
                                       struct em_error *err);
 

@@ -1,6 +1,10 @@
 /* What the user asked for: a plain, validated description of a run. SI units throughout; the frame
  * has the drum's axis along y, its end walls at y = 0 and y = length, its axis at x = z = 0; a box
- * spans [0, size] in each direction. */
+ * spans [0, size] in each direction.
+ *
+ * A scene is to be looked at: its fields follow from one another (a blade's omega from its rotor's
+ * rpm) and are checked together when it is read. Another one is read from the same text with other
+ * overrides. */
 #ifndef EVENTMILL_SCENE_H
 #define EVENTMILL_SCENE_H
 
@@ -180,7 +184,7 @@ enum em_status em_scene_parse(struct em_scene **scene, const char *text, const c
                               struct em_error *err);
 
 /* The complete scene with its defaults filled in; what it prints is a valid scene that reads back
- * to the same bits. */
+ * to the same bits. Errors: EM_FILE (`out` has an error). */
 enum em_status em_scene_print(const struct em_scene *scene, FILE *out);
 
 /* The same as a text, to be freed by the caller; NULL when memory is short. */

@@ -32,7 +32,7 @@ double em_show_last(const struct em_show *show);
 bool em_show_is_exact(const struct em_show *show);
 
 /* The state at a time (s), clamped to the frames' span; it holds until the next call. Trails are
- * followed from one call to the next, so times should rise. */
+ * followed from one call to the next, so times should rise. Errors: those of em_motion_seek. */
 enum em_status em_show_at(struct em_show *show, double time, struct em_picture_state *state,
                           struct em_error *err);
 

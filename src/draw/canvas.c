@@ -1,5 +1,5 @@
 /* The canvas over OSMesa: a software OpenGL that draws into our own memory. */
-#include "eventmill/canvas.h"
+#include "draw/canvas.h"
 
 #include "draw/gl.h" /* before osmesa.h, whose gl.h hides some of the types */
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "draw/canvas.h"
 #include "draw/occlusion.h"
 #include "draw/overlay.h"
 #include "draw/solids.h"
 #include "draw/spheres.h"
-#include "eventmill/canvas.h"
 
 struct order {
   float distance;

@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
+#include "draw/canvas.h"
 #include "draw/spheres.h"
-#include "eventmill/canvas.h"
 
 enum { WIDTH = 320, HEIGHT = 200 };
 
@@ -85,6 +85,18 @@ static double ray_depth(const struct em_camera_aim *aim, const struct em_sphere 
   return 0.5 + 0.5 * ((double)q[10] * z + (double)q[14]) / w;
 }
 
+/* Where a point appears: pixels from the picture's left. */
+static double across(const struct em_camera_aim *aim, struct em_vec p) {
+  const float *v = aim->view, *q = aim->projection;
+  double eye[3];
+  for (int k = 0; k < 3; k++)
+    eye[k] =
+        (double)v[k] * p.x + (double)v[4 + k] * p.y + (double)v[8 + k] * p.z + (double)v[12 + k];
+  const double x = (double)q[0] * eye[0] + (double)q[8] * eye[2] + (double)q[12];
+  const double w = (double)q[11] * eye[2] + (double)q[15];
+  return 0.5 * aim->width * (1.0 + x / w);
+}
+
 static void check_sphere(double fov, struct em_vec place, double radius) {
   struct em_canvas *canvas;
   struct em_error err = {0};
@@ -109,12 +121,9 @@ static void check_sphere(double fov, struct em_vec place, double radius) {
   float *depth = malloc(WIDTH * HEIGHT * sizeof *depth);
   gl->ReadPixels(0, 0, WIDTH, HEIGHT, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
   const uint8_t *pixel = em_canvas_read(canvas);
-  double x, y, edge, far, unused;
-  em_camera_project(&aim, place, &x, &y, &unused);
-  const double right_x = (double)aim.view[0], right_y = (double)aim.view[4];
-  em_camera_project(&aim, em_vec_add(place, em_vec_make(radius * right_x, radius * right_y, 0.0)),
-                    &edge, &far, &unused);
-  const double pixels = edge - x; /* the radius, roughly */
+  const struct em_vec right = {(double)aim.view[0], (double)aim.view[4], 0.0};
+  const double pixels = /* the radius, roughly */
+      across(&aim, em_vec_axpy(place, radius, right)) - across(&aim, place);
   assert_true(pixels > 8.0);
   int covered = 0;
   for (int py = 0; py < HEIGHT; py++)

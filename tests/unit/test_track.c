@@ -14,9 +14,9 @@
 
 #include <cmocka.h>
 
+#include "draw/canvas.h"
 #include "draw/spheres.h"
 #include "draw/track_bounce.h"
-#include "eventmill/canvas.h"
 #include "eventmill/picture.h"
 #include "eventmill/track.h"
 

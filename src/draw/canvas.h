@@ -1,14 +1,14 @@
 /* A place in memory to draw on with OpenGL, without a window. All that is known of OSMesa is behind
  * these five functions. */
-#ifndef EVENTMILL_CANVAS_H
-#define EVENTMILL_CANVAS_H
+#ifndef EM_DRAW_CANVAS_H
+#define EM_DRAW_CANVAS_H
 
 #include <stdint.h>
 
 #include "eventmill/error.h"
 
 struct em_canvas;
-struct em_gl; /* the OpenGL functions; see src/draw/gl.h */
+struct em_gl; /* the OpenGL functions; see gl.h */
 
 /* What draws: GL_RENDERER, GL_VERSION. */
 struct em_canvas_size {
