@@ -43,8 +43,4 @@ void em_camera_aim(const struct em_camera *camera, struct em_vec low, struct em_
                    const struct em_vec *point, size_t count, int width, int height,
                    struct em_camera_aim *aim);
 
-/* Where a point of the scene appears: x, y in pixels from the top left corner, depth in [0, 1]. */
-void em_camera_project(const struct em_camera_aim *aim, struct em_vec point, double *x, double *y,
-                       double *depth);
-
 #endif

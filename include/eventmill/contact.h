@@ -71,7 +71,6 @@ const char *em_contact_rule_name(enum em_rule rule);
 /* Index of a name in its list, or -1. */
 int em_contact_class_find(const char *name);
 int em_contact_law_find(const char *name);
-int em_contact_rule_find(const char *name);
 
 /* The law's number of parameters (≤ EM_LAW_PARAMETERS), the name of parameter k (NULL beyond),
  * and the law with its default parameters. */
@@ -112,8 +111,5 @@ struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_
  * *same* e and P_t. −5/(2 m R); `reichardt2005`: −R/m (9-9, 9-17; docs/physics.md on the sign);
  * `smooth`: 0. */
 double em_contact_spin_factor(enum em_rule rule, double m, double radius);
-
-/* Does the rule read or change spins? */
-bool em_contact_has_spin(enum em_rule rule);
 
 #endif

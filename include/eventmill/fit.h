@@ -33,8 +33,4 @@ enum em_status em_fit_curve(struct em_fit *fit, const struct em_fit_model *model
                             const double *x, const double *y, const double *p0,
                             struct em_error *err);
 
-/* Straight line y = a + b x: p = {a, b}. */
-enum em_status em_fit_line(struct em_fit *fit, size_t n, const double *x, const double *y,
-                           struct em_error *err);
-
 #endif

@@ -37,9 +37,6 @@ struct em_goodness em_goodness_ks(double *u, size_t n);
 enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution law, bool centred,
                                    double *u, size_t n);
 
-/* Kolmogorov–Smirnov of two samples, both sorted in place. */
-struct em_goodness em_goodness_ks_two(double *a, size_t n, double *b, size_t m);
-
 /* Probability that the limit law of √n D exceeds x. */
 double em_goodness_kolmogorov(double x);
 

@@ -35,7 +35,6 @@ struct em_histogram *em_histogram_new_octaves(int per_octave, int lowest, int oc
 /* An empty histogram with the bins of another. */
 struct em_histogram *em_histogram_new_like(const struct em_histogram *h);
 void em_histogram_free(struct em_histogram *h);
-void em_histogram_clear(struct em_histogram *h);
 
 /* The bin of x, or -1 below, or `bins` above. */
 ptrdiff_t em_histogram_find(const struct em_histogram *h, double x);

@@ -115,20 +115,3 @@ void em_camera_aim(const struct em_camera *camera, struct em_vec low, struct em_
     p[14] = (float)(-2.0 * far * near / (far - near));
   }
 }
-
-static void transform(const float *m, const double in[4], double out[4]) {
-  for (int r = 0; r < 4; r++)
-    out[r] = ((double)m[r] * in[0] + (double)m[4 + r] * in[1]) +
-             ((double)m[8 + r] * in[2] + (double)m[12 + r] * in[3]);
-}
-
-void em_camera_project(const struct em_camera_aim *aim, struct em_vec point, double *x, double *y,
-                       double *depth) {
-  const double in[4] = {point.x, point.y, point.z, 1.0};
-  double eye[4], clip[4];
-  transform(aim->view, in, eye);
-  transform(aim->projection, eye, clip);
-  *x = 0.5 * aim->width * (1.0 + clip[0] / clip[3]);
-  *y = 0.5 * aim->height * (1.0 - clip[1] / clip[3]);
-  *depth = 0.5 * (1.0 + clip[2] / clip[3]);
-}

@@ -37,9 +37,7 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   if (c <= 0.0) return tr;
   if (WITH(EXTRA) && w->exact_pairs)
     return em_body_exact_pair(w, i, j, em_vec_make(dx - (xb - xa), dy - (yb - ya), dz - (zb - za)));
-  const double disc = p * p - ((du * du + dv * dv) + dw * dw) * c;
-  if (disc < 0.0) return INFINITY;
-  return tr + c / (sqrt(disc) - p);
+  return tr + em_surface_pair(em_vec_make(dx, dy, dz), em_vec_make(du, dv, dw), sigma);
 }
 
 /* The earliest of n candidates of ball i, one after the other. */

@@ -60,10 +60,6 @@ int em_contact_law_find(const char *name) {
   return -1;
 }
 
-int em_contact_rule_find(const char *name) {
-  return find(RULE_NAME, EM_RULE_COUNT, name);
-}
-
 int em_contact_law_size(enum em_law law) {
   return LAW[law].size;
 }
@@ -172,8 +168,4 @@ double em_contact_spin_factor(enum em_rule rule, double m, double radius) {
     break;
   }
   return 0.0;
-}
-
-bool em_contact_has_spin(enum em_rule rule) {
-  return rule != EM_RULE_SMOOTH;
 }

@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_fit.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
 #include <string.h>
@@ -93,20 +92,5 @@ enum em_status em_fit_curve(struct em_fit *fit, const struct em_fit_model *model
   if (!fit->converged && fit->iterations <= 1)
     return em_error_set(err, EM_NUMERIC, NULL, 0, "the fit does not get away from its start: %s",
                         gsl_strerror(rc));
-  return EM_OK;
-}
-
-enum em_status em_fit_line(struct em_fit *fit, size_t n, const double *x, const double *y,
-                           struct em_error *err) {
-  memset(fit, 0, sizeof *fit);
-  fit->parameters = 2;
-  fit->n = n;
-  if (n < 3) return em_error_set(err, EM_INPUT, NULL, 0, "a line needs 3 points, there are %zu", n);
-  double c00, c01, c11;
-  gsl_fit_linear(x, 1, y, 1, n, &fit->p[0], &fit->p[1], &c00, &c01, &c11, &fit->residual);
-  fit->error[0] = sqrt(c00);
-  fit->error[1] = sqrt(c11);
-  fit->converged = true;
-  score(fit);
   return EM_OK;
 }

@@ -147,20 +147,3 @@ enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution
   free(x);
   return status;
 }
-
-struct em_goodness em_goodness_ks_two(double *a, size_t n, double *b, size_t m) {
-  if (n == 0 || m == 0) return (struct em_goodness){NAN, 0.0, NAN};
-  gsl_sort(a, 1, n);
-  gsl_sort(b, 1, m);
-  double d = 0.0;
-  for (size_t i = 0, j = 0; i < n && j < m;) {
-    const double x = fmin(a[i], b[j]);
-    while (i < n && a[i] <= x)
-      i++;
-    while (j < m && b[j] <= x)
-      j++;
-    d = fmax(d, fabs((double)i / (double)n - (double)j / (double)m));
-  }
-  const double size = (double)n * (double)m / (double)(n + m);
-  return (struct em_goodness){d, size, em_goodness_kolmogorov(stretched(d, size))};
-}

@@ -74,11 +74,6 @@ void em_histogram_free(struct em_histogram *h) {
   free(h);
 }
 
-void em_histogram_clear(struct em_histogram *h) {
-  memset(h->count, 0, h->bins * sizeof *h->count);
-  h->below = h->above = h->total = 0.0;
-}
-
 /* Bin of x ≥ 0 among the bins per octave of one sign; may lie beyond the last. */
 static ptrdiff_t find_octave(const struct em_histogram *h, double x) {
   int exponent;

@@ -57,15 +57,10 @@ static void names(void **state) {
     assert_null(em_contact_law_parameter((enum em_law)i, -1));
     assert_int_equal(em_contact_law_default((enum em_law)i).law, i);
   }
-  for (int i = 0; i < EM_RULE_COUNT; i++)
-    assert_int_equal(em_contact_rule_find(em_contact_rule_name((enum em_rule)i)), i);
   for (int i = 0; i < EM_CLASS_COUNT; i++)
     assert_int_equal(em_contact_class_find(em_contact_class_name((enum em_class)i)), i);
   assert_int_equal(em_contact_law_find("spohn"), -1);
-  assert_int_equal(em_contact_rule_find(""), -1);
   assert_int_equal(em_contact_class_find("ball"), -1);
-  assert_true(em_contact_has_spin(EM_RULE_ROUGH) && em_contact_has_spin(EM_RULE_FRICTION));
-  assert_false(em_contact_has_spin(EM_RULE_SMOOTH));
 }
 
 /* Values computed by hand (bc, 20 digits) from the formulas as printed. */
