@@ -14,21 +14,8 @@ top=$root/opt/mill
 "$top/bin/millpost" --help | grep -q hist
 "$top/bin/mill" check "$top/share/eventmill/geometries/simoloyer-2l.cfg" >/dev/null
 
-cat >"$root/use.c" <<'END'
-#include <eventmill/scene.h>
-#include <eventmill/world.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-int main(void) {
-  struct em_error err = {.code = EM_OK};
-  struct em_scene *scene = NULL;
-  enum em_status status = em_scene_parse(&scene, "balls = { count = -1; };", "here", 0, NULL, &err);
-  puts(em_error_text(status));
-  em_scene_free(scene);
-  return status == EM_INPUT ? EXIT_SUCCESS : EXIT_FAILURE;
-}
-END
+# The program that docs/library.md begins with.
+sed -n '/^```c$/,/^```$/{/^```/!p}' docs/library.md >"$root/use.c"
 
 # A library with sanitizers takes a program with sanitizers.
 sanitize=()
@@ -47,9 +34,16 @@ static=$(pkg-config --define-variable=prefix="$top" --static --cflags --libs eve
 "$compiler" "${sanitize[@]}" "$root/use.c" -Wl,-Bstatic ${static%% *} "-L$top/lib" -leventmill \
   -Wl,-Bdynamic ${static//-leventmill/} -o "$root/static"
 
-LD_LIBRARY_PATH=$top/lib "$root/shared" | grep -qx 'bad input'
+# What it runs and what it records is the same.
+use() { "$1" "$top/share/eventmill/geometries/simoloyer-2l.cfg" "$root/$2.h5" >"$root/$2.txt"; }
+LD_LIBRARY_PATH=$top/lib use "$root/shared" shared
+use "$root/static" static
+for said in "$root/shared.txt" "$root/static.txt"; do
+  [ "$(wc -l <"$said")" -eq 2 ] && [ "$(sort -u "$said" | wc -l)" -eq 1 ] || { cat "$said"; exit 1; }
+  grep -qE '^[1-9][0-9]+ hard contacts, [0-9.]+ J' "$said" || { cat "$said"; exit 1; }
+done
+"$root/static" no.cfg none.h5 2>&1 | grep -q '^no.cfg: error: '
 readelf -d "$root/shared" | grep -q 'NEEDED.*libeventmill\.so\.0'
-"$root/static" | grep -qx 'bad input'
 if readelf -d "$root/static" | grep -q libeventmill; then
   echo "the static program wants the shared library"
   exit 1
