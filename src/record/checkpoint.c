@@ -4,40 +4,37 @@
 #include <stdio.h>
 
 #include "record/layout.h"
-#include "record/log.h"
 
 /* An array of a snapshot. */
 struct array {
   const char *name, *unit;
-  enum em_log_type type; /* EM_LOG_STEP stands for uint32_t here */
+  hid_t file, memory; /* types of its numbers */
   size_t count, width;
   void *data;
 };
 
 enum { ARRAYS = 12 };
 
+static struct array reals(const char *name, const char *unit, size_t count, size_t width,
+                          void *data) {
+  return (struct array){name, unit, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, count, width, data};
+}
+
 /* Lists the arrays that a snapshot has; returns how many. */
 static size_t arrays_of(const struct em_snapshot *s, struct array *list) {
   const size_t n = s->count, b = s->blade_count;
+  const hid_t u32 = H5T_STD_U32LE, uint32 = H5T_NATIVE_UINT32;
   size_t k = 0;
-  list[k++] = (struct array){"position", "m", EM_LOG_DOUBLE, n, 3, s->position};
-  list[k++] = (struct array){"velocity", "m s-1", EM_LOG_DOUBLE, n, 3, s->velocity};
-  if (s->spin) list[k++] = (struct array){"angular_velocity", "s-1", EM_LOG_DOUBLE, n, 3, s->spin};
-  list[k++] = (struct array){"time", "s", EM_LOG_DOUBLE, n, 1, s->time};
-  list[k++] = (struct array){"last", NULL, EM_LOG_STEP, n, 1, s->last};
-  list[k++] = (struct array){"streak", NULL, EM_LOG_STEP, n, 1, s->streak};
-  if (b) list[k++] = (struct array){"blade_angle", "rad", EM_LOG_DOUBLE, b, 1, s->blade_angle};
-  list[k++] =
-      (struct array){"vn", NULL, EM_LOG_COUNT, EM_CLASS_COUNT, EM_TALLY_BINS, (void *)s->tally.vn};
+  list[k++] = reals("position", "m", n, 3, s->position);
+  list[k++] = reals("velocity", "m s-1", n, 3, s->velocity);
+  if (s->spin) list[k++] = reals("angular_velocity", "s-1", n, 3, s->spin);
+  list[k++] = reals("time", "s", n, 1, s->time);
+  list[k++] = (struct array){"last", NULL, u32, uint32, n, 1, s->last};
+  list[k++] = (struct array){"streak", NULL, u32, uint32, n, 1, s->streak};
+  if (b) list[k++] = reals("blade_angle", "rad", b, 1, s->blade_angle);
+  list[k++] = (struct array){"vn",           NULL,          H5T_STD_U64LE,      H5T_NATIVE_UINT64,
+                             EM_CLASS_COUNT, EM_TALLY_BINS, (void *)s->tally.vn};
   return k;
-}
-
-static hid_t file_type(const struct array *array) {
-  return array->type == EM_LOG_STEP ? H5T_STD_U32LE : em_log_file_type(array->type);
-}
-
-static hid_t memory_type(const struct array *array) {
-  return array->type == EM_LOG_STEP ? H5T_NATIVE_UINT32 : em_log_memory_type(array->type);
 }
 
 static void path_of(const struct array *array, char *path, size_t size) {
@@ -137,7 +134,7 @@ bool em_checkpoint_create(hid_t file, const struct em_snapshot *snapshot) {
     const struct em_h5_shape shape = {list[i].width > 1 ? 2 : 1, {list[i].count, list[i].width}};
     char path[128];
     path_of(&list[i], path, sizeof path);
-    good = em_h5_create(file, path, file_type(&list[i]), shape, 0, 0, list[i].unit);
+    good = em_h5_create(file, path, list[i].file, shape, 0, 0, list[i].unit);
   }
   if (good && snapshot->blade_count) {
     const struct em_h5_shape shape = {2, {0, BLADE_WIDTH}};
@@ -153,7 +150,7 @@ bool em_checkpoint_write(hid_t file, const struct em_snapshot *snapshot) {
   for (size_t i = 0; i < count && good; i++) {
     char path[128];
     path_of(&list[i], path, sizeof path);
-    good = em_h5_write(file, path, memory_type(&list[i]), list[i].data);
+    good = em_h5_write(file, path, list[i].memory, list[i].data);
   }
   struct em_snapshot copy = *snapshot;
   struct number numbers[NUMBERS];
@@ -172,7 +169,7 @@ static bool read_into(hid_t file, struct em_snapshot *snapshot) {
     char path[128];
     path_of(&list[i], path, sizeof path);
     good = em_h5_shape(file, path, &shape) && same_shape(&list[i], &shape) &&
-           em_h5_read(file, path, memory_type(&list[i]), list[i].data);
+           em_h5_read(file, path, list[i].memory, list[i].data);
   }
   struct number numbers[NUMBERS];
   const size_t singles = numbers_of(snapshot, numbers);

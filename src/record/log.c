@@ -34,13 +34,13 @@ void em_log_clear(struct em_log *log) {
   memset(log, 0, sizeof *log);
 }
 
-hid_t em_log_file_type(enum em_log_type type) {
+static hid_t file_type(enum em_log_type type) {
   return type == EM_LOG_DOUBLE  ? H5T_IEEE_F64LE
          : type == EM_LOG_COUNT ? H5T_STD_U64LE
                                 : H5T_STD_I64LE;
 }
 
-hid_t em_log_memory_type(enum em_log_type type) {
+static hid_t memory_type(enum em_log_type type) {
   return type == EM_LOG_DOUBLE  ? H5T_NATIVE_DOUBLE
          : type == EM_LOG_COUNT ? H5T_NATIVE_UINT64
                                 : H5T_NATIVE_INT64;
@@ -50,7 +50,7 @@ bool em_log_create(const struct em_log *log, hid_t file, int deflate, const char
   const size_t chunk = rows_in(CHUNK_BYTES, log->width * sizeof *log->cells, CHUNK_ROWS);
   struct em_h5_shape shape = log->shape;
   shape.dims[0] = 0;
-  return em_h5_create(file, log->path, em_log_file_type(log->type), shape, chunk, deflate, unit);
+  return em_h5_create(file, log->path, file_type(log->type), shape, chunk, deflate, unit);
 }
 
 void *em_log_next(struct em_log *log) {
@@ -63,8 +63,7 @@ bool em_log_is_full(const struct em_log *log) {
 
 bool em_log_write(struct em_log *log, hid_t file) {
   if (log->held == 0) return true;
-  if (!em_h5_write_rows(file, log->path, em_log_memory_type(log->type), log->rows, log->held,
-                        log->cells))
+  if (!em_h5_write_rows(file, log->path, memory_type(log->type), log->rows, log->held, log->cells))
     return false;
   log->rows += log->held;
   log->held = 0;

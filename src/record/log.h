@@ -29,8 +29,4 @@ void *em_log_next(struct em_log *log);
 bool em_log_is_full(const struct em_log *log);
 bool em_log_write(struct em_log *log, hid_t file);
 
-/* HDF5's types in file and memory. */
-hid_t em_log_file_type(enum em_log_type type);
-hid_t em_log_memory_type(enum em_log_type type);
-
 #endif
