@@ -22,8 +22,7 @@ static const double AT_EVERY_LOOK = 1e-3;
 
 struct recorder {
   const struct em_scene *scene;
-  struct em_scene
-      *own; /* a copy, owned: that of a run that is resumed, or with its blades turned */
+  struct em_scene *own; /* a copy: of a run that is resumed, or with its blades turned; or NULL */
   const struct em_recorder_options *options;
   struct em_world *world;
   struct em_writer *writer;         /* NULL: no file */
