@@ -54,8 +54,13 @@ void em_gas_free(struct em_gas *gas) {
 
 /* ---------------------------------------------------------------- what a scene promises */
 
+/* Without walls across coordinate d, nothing takes momentum along it. */
+static bool is_loop(const struct em_chamber *c, int d) {
+  return c->shape == EM_SHAPE_BOX && c->periodic[d];
+}
+
 static bool is_closed_loop(const struct em_chamber *c) {
-  return c->shape == EM_SHAPE_BOX && c->periodic[0] && c->periodic[1] && c->periodic[2];
+  return is_loop(c, 0) && is_loop(c, 1) && is_loop(c, 2);
 }
 
 static bool is_elastic(const struct em_contact_law *law) {
@@ -133,6 +138,8 @@ static double pace_at(const struct pace *pace, double t) {
 static enum em_status read_pace(struct pace *pace, const struct em_run_file *run,
                                 struct em_error *err) {
   const struct em_window all = {.from = 0.0, .to = em_run_file_state(run)->time};
+  if (em_run_file_ball_count(run) == 0)
+    return em_error_set(err, EM_INPUT, em_run_file_path(run), 0, "the run has no balls to verify");
   const enum em_status status = em_trace_read(&pace->trace, run, "collisions", &all, err);
   pace->per_ball = 2.0 / (double)em_run_file_ball_count(run);
   if (status != EM_OK) return status;
@@ -173,8 +180,6 @@ static enum em_status read_energy(struct em_gas *gas, const struct em_run_file *
   em_trace_free(&kinetic);
   em_trace_free(&potential);
   em_trace_free(&spin);
-  const double n = (double)em_scene_ball_count(scene);
-  gas->kt = 2.0 * state->kinetic_start / (3.0 * n);
   return status;
 }
 
@@ -189,24 +194,48 @@ static void put(struct em_gas *gas, enum em_gas_quantity q, size_t most, double 
   if (gas->n[q] < most && isfinite(x)) gas->x[q][gas->n[q]++] = x;
 }
 
-/* Velocity of the centre of mass; 0 unless momentum is conserved. */
-static struct em_vec drift_of(const struct em_balls *balls, const struct em_chamber *c) {
-  struct em_vec p = {0.0, 0.0, 0.0};
+static double mass_of(const struct em_balls *balls) {
   double mass = 0.0;
-  if (!is_closed_loop(c)) return p;
-  for (size_t i = 0; i < balls->count; i++) {
-    p = em_vec_axpy(p, balls->mass[i], balls->velocity[i]);
+  for (size_t i = 0; i < balls->count; i++)
     mass += balls->mass[i];
-  }
-  return em_vec_scale(1.0 / mass, p);
+  return mass;
 }
 
-/* Velocities in units of √(J/m): the temperature is divided out when it is known. */
-static void take_velocities(struct em_gas *gas, const struct em_balls *balls, struct em_vec drift,
-                            size_t most) {
+/* Velocity of the centre of mass along the coordinates in which it stays; 0 in the others. */
+static struct em_vec drift_of(const struct em_balls *balls, const struct em_chamber *c) {
+  struct em_vec p = {0.0, 0.0, 0.0};
+  const double mass = mass_of(balls);
+  for (size_t i = 0; i < balls->count; i++)
+    p = em_vec_axpy(p, balls->mass[i] / mass, balls->velocity[i]);
+  if (!is_loop(c, 0)) p.x = 0.0;
+  if (!is_loop(c, 1)) p.y = 0.0;
+  if (!is_loop(c, 2)) p.z = 0.0;
+  return p;
+}
+
+/* By the energy at the start. What the centre of mass has of it is no heat, and where it stays, N
+ * balls have the freedom of N − 1. balls: any frame. */
+static void take_temperature(struct em_gas *gas, const struct em_balls *balls,
+                             const struct em_chamber *c, double kinetic) {
+  const struct em_vec drift = drift_of(balls, c);
+  double freedom = 3.0 * (double)balls->count;
+  for (int d = 0; d < 3; d++)
+    if (is_loop(c, d)) freedom -= 1.0;
+  gas->kt = (2.0 * kinetic - mass_of(balls) * em_vec_dot(drift, drift)) / freedom;
+}
+
+/* Velocities in units of √(J/m): the temperature is divided out when it is known. Without the
+ * centre of mass, a component of one ball scatters with kT/m (1 − m/M). */
+static void take_velocities(struct em_gas *gas, const struct em_balls *balls,
+                            const struct em_chamber *c, size_t most) {
+  const struct em_vec drift = drift_of(balls, c);
+  const double all = mass_of(balls);
   for (size_t i = 0; i < balls->count; i++) {
-    const double root = sqrt(balls->mass[i]);
-    const struct em_vec v = em_vec_scale(root, em_vec_sub(balls->velocity[i], drift));
+    const double m = balls->mass[i], free = sqrt(m), tied = sqrt(m / (1.0 - m / all));
+    struct em_vec v = em_vec_sub(balls->velocity[i], drift);
+    v.x *= is_loop(c, 0) ? tied : free;
+    v.y *= is_loop(c, 1) ? tied : free;
+    v.z *= is_loop(c, 2) ? tied : free;
     put(gas, EM_GAS_SPEED, most, em_vec_norm(v));
     put(gas, EM_GAS_VX, most, v.x);
     put(gas, EM_GAS_VY, most, v.y);
@@ -306,6 +335,9 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
   for (size_t i = 1; status == EM_OK && i < balls->count; i++)
     gas->alike =
         gas->alike && balls->mass[i] == balls->mass[0] && balls->radius[i] == balls->radius[0];
+  if (status == EM_OK && frames > 0) status = em_run_file_frame(run, 0, balls, err);
+  if (status == EM_OK)
+    take_temperature(gas, balls, &scene->chamber, em_run_file_state(run)->kinetic_start);
   double before = -INFINITY, wave_before = 0.0; /* the start is a frame to stay away from */
   if (status == EM_OK) gas->wave_spacing = wave_spacing(pace, scene, gas->kt, balls->mass[0]);
   for (size_t k = 0; status == EM_OK && k < frames; k++) {
@@ -319,7 +351,7 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
     }
     if (pace_at(pace, t) - before < APART || gas->n[EM_GAS_SPEED] + balls->count > most) continue;
     before = pace_at(pace, t);
-    take_velocities(gas, balls, drift_of(balls, &scene->chamber), most);
+    take_velocities(gas, balls, &scene->chamber, most);
     gas->frames++;
   }
   if (status == EM_OK && gas->frames == 0)
@@ -346,8 +378,7 @@ static void centre_and_scale(double *x, size_t n) {
 
 /* Turns velocities into units of √(kT/m), and components into units of their own σ. */
 static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
-  const size_t n = gas->n[EM_GAS_SPEED], balls = em_scene_ball_count(scene);
-  const double lost = is_closed_loop(&scene->chamber) ? 1.0 / (double)balls : 0.0;
+  const size_t n = gas->n[EM_GAS_SPEED];
   double sum = 0.0;
   for (int d = 0; d < 3; d++) {
     gas->square[d] = 0.0;
@@ -355,10 +386,9 @@ static void scale_velocities(struct em_gas *gas, const struct em_scene *scene) {
       gas->square[d] += gas->x[EM_GAS_VX + d][i] * gas->x[EM_GAS_VX + d][i];
     sum += gas->square[d];
   }
-  /* Without its centre of mass, the gas has (N−1)/N of its degrees of freedom. */
-  gas->kt_frames = sum / (3.0 * (double)n * (1.0 - lost));
+  gas->kt_frames = sum / (3.0 * (double)n);
   if (em_vec_norm(scene->gravity) > 0.0) gas->kt = gas->kt_frames;
-  const double unit = sqrt(gas->kt * (1.0 - lost));
+  const double unit = sqrt(gas->kt);
   for (size_t i = 0; i < n; i++)
     gas->x[EM_GAS_SPEED][i] /= unit;
   for (int d = 0; d < 3; d++) {

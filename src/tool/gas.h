@@ -51,7 +51,8 @@ struct em_gas_waves {
 };
 
 struct em_gas {
-  double kt;           /* J, from the energy at the start (with gravity: of the frames) */
+  double kt;           /* J, from the energy at the start (with gravity: of the frames), less what
+                          the centre of mass has of it where no walls hold it */
   double kt_frames;    /* J, from the balls' velocities */
   double mass, sigma;  /* kg, and m/s: √(kT/m); NAN for balls of several masses */
   double energy_drift; /* largest |E(t) − E(0)| of the observables, relative to the largest energy;

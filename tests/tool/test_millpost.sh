@@ -279,6 +279,7 @@ verdict() { # VERDICT CODE RUN ...: exit code 0 says that the laws hold
 $code"
 }
 ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
+free=$work/free.h5 drift=$work/drift.h5 no_balls=$work/no-balls.h5
 cat >"$work/loop.cfg" <<'CFG'
 duration = 2.0;
 gravity = [0.0, 0.0, -9.81];
@@ -290,13 +291,31 @@ CFG
 run geometries/bouncing-ball.cfg contact.normal=1 duration=2 -o "$ball" >"$work/out" &&
   run geometries/ideal-gas-gravity.cfg balls.count=300 balls.speed=0 duration=1 -o "$drop" >"$work/out" &&
   run "$work/loop.cfg" -o "$loop" >"$work/out" &&
-  run geometries/newtons-cradle.cfg -o "$cradle" >"$work/out"
+  run geometries/newtons-cradle.cfg -o "$cradle" >"$work/out" &&
+  run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 duration=8 -o "$free" >"$work/out" &&
+  run "$work/loop.cfg" balls.count=0 duration=0.1 -o "$no_balls" >"$work/out" &&
+  /usr/bin/python3 - "$free" "$work/drift.txt" <<'PY' &&
+import sys
+import h5py, numpy as np
+balls = h5py.File(sys.argv[1], "r")["particles/balls"]
+r, v = (balls[k + "/value"][-1] for k in ("position", "velocity"))
+np.savetxt(sys.argv[2], np.hstack([np.mod(r, 0.05), v + [1.0, 0.0, 0.5]]), fmt="%.17g")
+PY
+  run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 balls.start=table \
+    balls.table="$work/drift.txt" duration=8 -o "$drift" >"$work/out"
 is "runs that keep their energy" 0 $?
 kept='assert result["energy_drift"] < 1e-12, result'
 check "a ball that bounces from rest keeps its energy" verdict undecided "$kept" "$ball" --from 0
 check "a gas that falls from rest does" verdict holds "$kept" "$drop" --from 0.5
 check "where it falls for ever, energy is not tested" verdict holds '
 assert result["energy_drift"] is None and any("periodic boundary" in n for n in result["notes"])' "$loop"
+heat='
+speed = result["laws"][0]
+assert abs(result["kt"] / result["kt_frames"] - 1) < 1e-9, result
+assert abs(speed["fitted"] / speed["predicted"] - 1) < 1e-6, speed'
+check "without walls, the centre of mass has no heat" verdict holds "$heat" "$free"
+check "nor has a gas that drifts" verdict holds "$heat" "$drift"
+expect 2 "no balls to verify" "a run without balls" post verify "$no_balls"
 lossless() { agrees "$gas" 'assert result["imbalance"] < 1e-12, result' power "$gas"; }
 check "power of a gas without losses is balanced" lossless
 check "five balls tell no law" verdict undecided 'assert result["tests"] == 0' "$cradle" --from 0
