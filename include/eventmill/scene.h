@@ -203,6 +203,9 @@ size_t em_scene_blade_count(const struct em_scene *scene);
  * the fall through the chamber. Never 0. */
 double em_scene_typical_speed(const struct em_scene *scene);
 
+/* The default (s) of remedy.jam_within. */
+double em_scene_jam_within(const struct em_scene *scene);
+
 /* The chamber's volume (m³), and the extent (m) of its bounding box; of a drum with facets, those
  * of the round drum that they touch from outside. */
 double em_scene_volume(const struct em_scene *scene);

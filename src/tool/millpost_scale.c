@@ -66,12 +66,13 @@ static double relative(double speed, double to) {
 }
 
 /* The scene without what may differ between runs of a group: the rotor's speed, to which others are
- * relative, seed, duration, what is recorded, the title. */
+ * relative, the default that follows from it, seed, duration, what is recorded, the title. */
 static enum em_status read_kind(char **kind, const struct em_run_file *run, struct em_error *err) {
   struct em_scene *scene;
   const enum em_status status =
       em_scene_parse(&scene, em_run_file_scene_text(run), em_run_file_path(run), 0, NULL, err);
   if (status != EM_OK) return status;
+  if (scene->remedy.jam_within == em_scene_jam_within(scene)) scene->remedy.jam_within = 0.0;
   const double rpm = scene->rotor[0].rpm, omega = rpm * M_PI / 30.0;
   for (size_t r = 0; r < scene->rotor_count; r++) {
     struct em_rotor *rotor = &scene->rotor[r];

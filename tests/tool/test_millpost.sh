@@ -228,7 +228,7 @@ check "scale" post scale "$plain" "$fast" --from 0.1
 
 # Runs at two speeds, one of them with three seeds; one without gravity; one that was interrupted.
 few=(geometries/simoloyer-2l.cfg balls.count=100 duration=0.06)
-for point in 1000/1 1000/2 1000/3 1400/1; do
+for point in 1000/1 1000/2 1000/3 1400/1 2000/1; do
   run "${few[@]}" rotor.rpm=${point%/*} seed=${point#*/} -o "$work/at-${point/\//-}.h5"
 done >"$work/out"
 run "${few[@]}" rotor.rpm=1200 gravity='"none"' -o "$work/afloat.h5" >"$work/out"
@@ -253,6 +253,9 @@ assert not any("not done" in n for n in a["notes"])
 PY
 }
 check "scale averages runs at one speed, and keeps unlike runs apart" order
+alike() { scale at-1400-1.h5 at-2000-1.h5 >"$work/json" &&
+  is_true "$one" 'assert [g["runs"] for g in result["groups"]] == [2], result["groups"]'; }
+check "defaults that follow from the speed part no group" alike
 warned() { scale at-1000-1.h5 left.h5 | grep -q 'left is not done: interrupted'; }
 check "scale warns of runs that are not done" warned
 
