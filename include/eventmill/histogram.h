@@ -57,9 +57,9 @@ double em_histogram_mean(const struct em_histogram *h);
 
 /* Where the density is highest: maximum of the density smoothed by a Gaussian kernel of width
  * 0.9 min(σ, IQR/1.349) n^(-1/7) (the power that is best for a mode: Romano 1988), mirrored at 0
- * when nothing is negative. n: how many
- * independent values the histogram stands for (0: its weight). NAN when empty or when memory is
- * short. */
+ * when nothing is negative, and at the last edge when the values reach it and nothing lies above.
+ * n: how many independent values the histogram stands for (0: its weight). NAN when empty or when
+ * memory is short. */
 double em_histogram_mode(const struct em_histogram *h, double n);
 
 /* The same counts in other, equal bins. NULL: no memory, or an empty range. */

@@ -226,8 +226,9 @@ static double vertex(double left, double middle, double right) {
   return bend < 0.0 ? 0.5 * (left - right) / bend : 0.0;
 }
 
-/* Maximum of the kernel density of equal bins; mirror: the part below edge[0] is folded back. */
-static double highest(const struct em_histogram *g, double sigma, bool mirror) {
+/* Maximum of the kernel density of equal bins. Where the range has a bound, what lies beyond it is
+ * folded back: bin −1 is bin 0 again, and bin `bins` the last one. */
+static double highest(const struct em_histogram *g, double sigma, bool bound_low, bool bound_high) {
   const ptrdiff_t bins = (ptrdiff_t)g->bins, reach = (ptrdiff_t)ceil(4.0 * sigma / g->width);
   double *kernel = malloc(((size_t)reach + 1) * sizeof *kernel);
   double *smooth = calloc(g->bins, sizeof *smooth);
@@ -241,15 +242,15 @@ static double highest(const struct em_histogram *g, double sigma, bool mirror) {
     for (ptrdiff_t k = 0; k < bins; k++) {
       for (ptrdiff_t d = -reach; d <= reach; d++) {
         ptrdiff_t j = k + d;
-        if (j < 0 && mirror) j = -1 - j;
+        if (j < 0 && bound_low) j = -1 - j;
+        if (j >= bins && bound_high) j = 2 * bins - 1 - j;
         if (j >= 0 && j < bins) smooth[k] += g->count[j] * kernel[d < 0 ? -d : d];
       }
       if (smooth[k] > smooth[best]) best = k;
     }
-    double offset = 0.0;
-    if (best > 0 && best < bins - 1)
-      offset = vertex(smooth[best - 1], smooth[best], smooth[best + 1]);
-    mode = g->edge[best] + (0.5 + offset) * g->width;
+    const double left = smooth[best > 0 ? best - 1 : 0];
+    const double right = smooth[best < bins - 1 ? best + 1 : bins - 1];
+    mode = g->edge[best] + (0.5 + vertex(left, smooth[best], right)) * g->width;
   }
   free(kernel);
   free(smooth);
@@ -264,15 +265,17 @@ double em_histogram_mode(const struct em_histogram *h, double n) {
   if (iqr > 0.0 && iqr / 1.349 < scale) scale = iqr / 1.349;
   const double sigma = 0.9 * scale * pow(n, -1.0 / 7.0);
   if (!(sigma > 0.0)) return em_histogram_quantile(h, 0.5);
-  const double high = em_histogram_quantile(h, 0.999) + 3.0 * sigma;
+  double high = em_histogram_quantile(h, 0.999) + 3.0 * sigma;
   double low = em_histogram_quantile(h, 0.001) - 3.0 * sigma;
-  const bool mirror = h->edge[0] >= 0.0;
-  if (mirror) low = 0.0;
+  const bool bound_low = h->edge[0] >= 0.0;
+  const bool bound_high = h->above == 0.0 && high > h->edge[h->bins];
+  if (bound_low) low = 0.0;
+  if (bound_high) high = h->edge[h->bins];
   size_t bins = (size_t)ceil((high - low) / (0.25 * sigma));
   if (bins > 4096) bins = 4096;
   struct em_histogram *grid = em_histogram_rebin(h, bins, low, high);
   if (!grid) return NAN;
-  const double mode = highest(grid, fmax(sigma, grid->width), mirror);
+  const double mode = highest(grid, fmax(sigma, grid->width), bound_low, bound_high);
   em_histogram_free(grid);
   return mode;
 }
