@@ -15,7 +15,7 @@
 struct em_interval {
   double value;
   double half;         /* half width of the confidence interval; NAN when it cannot be told */
-  double error;        /* standard error of `value` */
+  double error;        /* standard error of `value`; NAN when it cannot be told */
   double freedom;      /* degrees of freedom of `error` */
   double inefficiency; /* how many successive values count as one independent value, ≥ 1 */
 };
@@ -35,7 +35,9 @@ struct em_interval em_interval_series(const double *x, size_t n, double level);
 /* A figure of the sum of blocks of successive counts, e.g. the median over the whole time. The
  * pseudo-values of the jackknife, B θ − (B−1) θ without block b, are a series to which
  * em_interval_series applies. figure(h, weight, self): h is a sum of blocks, weight the sum of
- * their weights (e.g. durations in s). Errors: EM_MEMORY. */
+ * their weights (e.g. durations in s). half = NAN where the pseudo-values tell nothing: one does
+ * not exist, because all values lie in one block, or none differs from the others, because nothing
+ * was seen. Errors: EM_MEMORY. */
 enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
                                   struct em_histogram *const *block, const double *weight,
                                   double (*figure)(const struct em_histogram *h, double weight,

@@ -12,7 +12,8 @@
 enum { MOST_AVERAGES = 256 };
 /* A series that remembers more cannot be told from a drift. */
 static const double MOST_REFLECTION = 0.98;
-/* What cannot be predicted is rounding below this share of the variance. */
+/* What cannot be predicted is rounding below this share of the variance, and scatter below this
+ * share of the value. */
 static const double ROUNDING = 1e-14;
 
 double em_interval_student(double level, double freedom) {
@@ -85,7 +86,7 @@ static void extend(struct lattice *l) {
 static double variance_of_mean(double *ahead, double *back, size_t n, double *freedom) {
   const double size = (double)n, c0 = variance_of(ahead, n, 0.0);
   *freedom = size - 1.0;
-  if (!(c0 > 0.0)) return 0.0;
+  if (!(c0 > 0.0)) return c0;
   struct lattice l = {n, 0, ahead, back, c0, 1.0, 0.0};
   const size_t most = (size_t)fmin(size / 4.0, 10.0 * log10(size) + size / 20.0);
   double least = INFINITY, variance = NAN;
@@ -169,6 +170,7 @@ enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
     pseudo_values(pseudo, sum, blocks, block, weight, all, theta, figure, self);
     *out = em_interval_series(pseudo, blocks, level);
   }
+  if (!(out->error > ROUNDING * fabs(theta))) *out = unknown(theta);
   out->value = theta;
   em_histogram_free(sum);
   free(pseudo);

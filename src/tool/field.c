@@ -187,7 +187,7 @@ double em_field_values(const struct em_field *field, size_t cell) {
 }
 
 /* A ratio Σ a_g / Σ b_g over groups of time, with the error of a ratio of sums; groups without
- * values tell nothing. */
+ * values tell nothing, and what was never seen is known to no precision. */
 static struct em_interval ratio(const double *a, const double *b, size_t groups, double level) {
   double sa = 0.0, sb = 0.0, scatter = 0.0, filled = 0.0;
   for (size_t g = 0; g < groups; g++) {
@@ -198,7 +198,7 @@ static struct em_interval ratio(const double *a, const double *b, size_t groups,
   struct em_interval out = {NAN, NAN, NAN, filled - 1.0, 1.0};
   if (!(sb > 0.0)) return out;
   out.value = sa / sb;
-  if (filled < 2.0) return out;
+  if (filled < 2.0 || sa == 0.0) return out;
   for (size_t g = 0; g < groups; g++) {
     const double d = a[g] - out.value * b[g];
     scatter += d * d;

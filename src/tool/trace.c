@@ -72,6 +72,7 @@ struct em_interval em_trace_rate_interval(const struct em_trace *trace, size_t f
               (trace->time[k + 1] - trace->time[k]);
   struct em_interval out = of_series(rate, n, level);
   out.value = em_trace_rate(trace, first, end);
+  if (out.value == 0.0) out.half = out.error = NAN; /* nothing was seen */
   return out;
 }
 

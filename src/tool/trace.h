@@ -28,7 +28,8 @@ double em_trace_sum(const struct em_trace *trace, size_t k, size_t first, size_t
 /* Growth of that sum from the first sample to the last, per time; NAN for fewer than 2 samples. */
 double em_trace_rate(const struct em_trace *trace, size_t first, size_t end);
 
-/* The same with a confidence interval, from the growth between successive samples. */
+/* The same with a confidence interval, from the growth between successive samples; there is none
+ * where nothing grew. */
 struct em_interval em_trace_rate_interval(const struct em_trace *trace, size_t first, size_t end,
                                           double level);
 

@@ -172,6 +172,37 @@ static void jackknife_covers(void **state) {
   assert_true(naive < 0.75 * RUNS);
 }
 
+static double above_two(const struct em_histogram *h, double weight, void *self) {
+  (void)weight, (void)self;
+  return 1.0 - em_histogram_share(h, 2.0);
+}
+
+/* What was seen never, or in one block alone, is known to no precision. */
+static void jackknife_admits_ignorance(void **state) {
+  (void)state;
+  enum { BLOCKS = 16 };
+  struct em_histogram *block[BLOCKS];
+  double weight[BLOCKS];
+  for (int b = 0; b < BLOCKS; b++) {
+    block[b] = em_histogram_new(100, 0.0, 10.0);
+    weight[b] = 0.05;
+  }
+  struct em_interval i;
+  em_interval_figure(&i, BLOCKS, block, weight, rate, NULL, 0.95);
+  assert_true(i.value == 0.0 && isnan(i.half) && isnan(i.error));
+  em_histogram_add(block[3], 1.0, 1.0);
+  em_interval_figure(&i, BLOCKS, block, weight, median, NULL, 0.95);
+  assert_true(i.value > 0.9 && isnan(i.half) && isnan(i.error));
+  em_interval_figure(&i, BLOCKS, block, weight, rate, NULL, 0.95);
+  assert_true(i.value > 0.0 && i.half > i.value);
+  for (int b = 0; b < BLOCKS; b++)
+    em_histogram_add(block[b], 0.01 * b, 1.0);
+  em_interval_figure(&i, BLOCKS, block, weight, above_two, NULL, 0.95);
+  assert_true(i.value == 0.0 && isnan(i.half) && isnan(i.error));
+  for (int b = 0; b < BLOCKS; b++)
+    em_histogram_free(block[b]);
+}
+
 static void differences(void **state) {
   (void)state;
   const struct em_interval a = {1.0, 0.0, 0.1, 1e9, 1.0}, b = {1.3, 0.0, 0.1, 1e9, 1.0};
@@ -403,6 +434,7 @@ int main(void) {
       cmocka_unit_test(long_series),
       cmocka_unit_test(student_and_simple_means),
       cmocka_unit_test(jackknife_covers),
+      cmocka_unit_test(jackknife_admits_ignorance),
       cmocka_unit_test(differences),
       cmocka_unit_test(mser_finds_the_end_of_ramps),
       cmocka_unit_test(few_independent_values_are_too_short_to_tell),
