@@ -8,7 +8,7 @@
 
 enum { BLOCKS = 64, FRAME_BLOCKS = 128, COARSE = 64, FINE = 1024 };
 
-/* Octaves of the bins: speeds 2⁻³⁰ … 2¹⁰ m/s, energies 2⁻⁸⁰ … 2⁰ J. */
+/* Octaves of the bins: speeds 2⁻³⁰ … 2¹⁰ m/s, energies 2⁻⁸⁰ … 2¹⁰ J. */
 struct range {
   int lowest, octaves;
 };
@@ -51,7 +51,7 @@ void em_gather_free(struct em_gather *gather) {
 }
 
 static struct range range_of(enum em_gather_of of) {
-  if (of == EM_GATHER_ENERGY || of == EM_GATHER_LOST) return (struct range){-80, 80};
+  if (of == EM_GATHER_ENERGY || of == EM_GATHER_LOST) return (struct range){-80, 90};
   return (struct range){-30, 40};
 }
 
@@ -92,6 +92,15 @@ static bool prepare(struct em_gather *gather, size_t blocks) {
   return good;
 }
 
+static void count(struct em_gather *gather, int row, size_t block, double x) {
+  if (!isfinite(x)) return;
+  em_histogram_add(gather->block[row][block], x, 1.0);
+  em_histogram_add(gather->total[row], x, 1.0);
+  if (x < gather->least[row]) gather->least[row] = x;
+  if (x > gather->most[row]) gather->most[row] = x;
+  gather->sum[row] += x;
+}
+
 /* ---------------------------------------------------------------- frames */
 
 static double of_ball(enum em_gather_of of, struct em_vec v) {
@@ -123,16 +132,12 @@ static enum em_status from_frames(struct em_gather *gather, const struct em_run_
   gather->frames = frames;
   struct em_balls *balls = NULL;
   enum em_status status = em_run_file_balls(run, &balls, err);
-  struct em_histogram *total = gather->total[EM_GATHER_ALL];
   for (size_t k = 0; status == EM_OK && k < frames; k++) {
     status = em_run_file_frame(run, first + k, balls, err);
     const size_t b = k * blocks / frames;
     gather->duration[b] += 1.0;
-    for (size_t i = 0; status == EM_OK && i < balls->count; i++) {
-      const double x = of_ball(gather->of, balls->velocity[i]);
-      em_histogram_add(gather->block[EM_GATHER_ALL][b], x, 1.0);
-      em_histogram_add(total, x, 1.0);
-    }
+    for (size_t i = 0; status == EM_OK && i < balls->count; i++)
+      count(gather, EM_GATHER_ALL, b, of_ball(gather->of, balls->velocity[i]));
   }
   em_start_free(balls);
   return status;
@@ -216,11 +221,8 @@ static void count_rows(struct em_gather *gather, const struct em_rows *rows, uns
     const double x = of_row(gather->of, rows, k, balls);
     size_t b = (size_t)((t - gather->from) * scale);
     if (b >= gather->blocks) b = gather->blocks - 1;
-    em_histogram_add(gather->block[cls][b], x, 1.0);
-    em_histogram_add(gather->total[cls], x, 1.0);
-    if (!(classes & 1U << cls)) continue;
-    em_histogram_add(gather->block[EM_GATHER_ALL][b], x, 1.0);
-    em_histogram_add(gather->total[EM_GATHER_ALL], x, 1.0);
+    count(gather, cls, b, x);
+    if (classes & 1U << cls) count(gather, EM_GATHER_ALL, b, x);
   }
 }
 
@@ -330,6 +332,10 @@ enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *r
   gather->from = window->from;
   gather->to = window->to;
   gather->of_balls = em_gather_is_of_balls(of);
+  for (int row = 0; row < EM_GATHER_ROWS; row++) {
+    gather->least[row] = INFINITY;
+    gather->most[row] = -INFINITY;
+  }
   if (classes == 0) classes = (1U << EM_CLASS_COUNT) - 1U;
   enum em_status status;
   if (gather->of_balls)
@@ -385,6 +391,26 @@ static double evaluate(const struct em_histogram *h, double weight, void *self) 
   return NAN;
 }
 
+/* What the bins leave uncertain and the values themselves tell. */
+static double refine(const struct em_gather *gather, int row, enum em_gather_figure figure,
+                     double value) {
+  const struct em_histogram *h = gather->total[row];
+  const double least = gather->least[row], most = gather->most[row];
+  if (!(least <= most)) return value;
+  if (figure == EM_GATHER_MEAN) return gather->sum[row] / (h->below + h->total + h->above);
+  if (figure == EM_GATHER_QUANTILE || figure == EM_GATHER_MODE)
+    return fmin(fmax(value, least), most);
+  return value;
+}
+
+double em_gather_highest(const struct em_gather *gather, int row) {
+  const struct em_histogram *h = gather->total[row];
+  if (gather->least[row] <= gather->most[row]) return gather->most[row];
+  for (size_t k = h->bins; k-- > 0;)
+    if (h->count[k] > 0.0) return h->edge[k + 1];
+  return NAN;
+}
+
 struct em_interval em_gather_interval(const struct em_gather *gather, int row,
                                       enum em_gather_figure figure, double parameter,
                                       double level) {
@@ -393,6 +419,7 @@ struct em_interval em_gather_interval(const struct em_gather *gather, int row,
   if (gather->block[row])
     em_interval_figure(&out, gather->blocks, gather->block[row], gather->duration, evaluate, &asked,
                        level);
+  out.value = refine(gather, row, figure, out.value);
   return out;
 }
 

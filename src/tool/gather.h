@@ -41,6 +41,9 @@ struct em_gather {
   struct em_histogram **block[EM_GATHER_ROWS]; /* class or all, then block */
   struct em_histogram *total[EM_GATHER_ROWS];  /* the same for the whole window, in finer bins where
                                                   there are any */
+  double least[EM_GATHER_ROWS], most[EM_GATHER_ROWS]; /* of all values; least > most: none, or from
+                                                         the online histograms */
+  double sum[EM_GATHER_ROWS];                         /* of all values */
 };
 
 int em_gather_find(const char *name); /* -1: no such quantity */
@@ -73,6 +76,8 @@ enum em_gather_figure {
 };
 struct em_interval em_gather_interval(const struct em_gather *gather, int row,
                                       enum em_gather_figure figure, double parameter, double level);
+/* The highest value; of online histograms, the end of the last bin in use. NAN: there is none. */
+double em_gather_highest(const struct em_gather *gather, int row);
 /* The share of a class among all. */
 struct em_interval em_gather_share(const struct em_gather *gather, int row, double level);
 

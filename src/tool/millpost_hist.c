@@ -10,7 +10,7 @@
 #include "tool/millpost.h"
 #include "tool/window.h"
 
-enum { MOST_RUNS = 16, LEAST_BINS = 60, MOST_BINS = 2000, ONLINE_BINS = 160 };
+enum { MOST_RUNS = 16, LEAST_BINS = 20, MOST_BINS = 2000, ONLINE_BINS = 160 };
 
 static const char *const option_names[] = {"of",    "class",      "from",  "to",  "bins",   "above",
                                            "level", "cumulative", "curve", "log", "output", ""};
@@ -52,12 +52,6 @@ static bool shown(const struct input *in, unsigned classes, int row) {
 static const char *row_name(const struct em_gather *gather, int row) {
   if (row < EM_CLASS_COUNT) return em_contact_class_name((enum em_class)row);
   return gather->of_balls ? "balls" : "all";
-}
-
-static double highest(const struct em_histogram *h) {
-  for (size_t k = h->bins; k-- > 0;)
-    if (h->count[k] > 0.0) return h->edge[k + 1];
-  return NAN;
 }
 
 /* ---------------------------------------------------------------- tables */
@@ -122,6 +116,9 @@ static void how_hard(struct em_report *report, const struct input *in, int runs,
                      const struct em_millpost_options *o) {
   const char *unit = em_gather_unit(in[0].gather->of);
   char title[128];
+  bool online = false;
+  for (int r = 0; r < runs; r++)
+    online = online || in[r].gather->online;
   snprintf(title, sizeof title, "How %s: %s",
            in[0].gather->of_balls                 ? "fast"
            : in[0].gather->of == EM_GATHER_IMPACT ? "central"
@@ -134,7 +131,7 @@ static void how_hard(struct em_report *report, const struct input *in, int runs,
   em_report_column(report, "q75", "3rd quartile", unit);
   em_report_column(report, "mean", "mean", unit);
   em_report_column(report, "q90", "90 % below", unit);
-  em_report_column(report, "highest", "highest", unit);
+  em_report_column(report, "highest", online ? "all below" : "highest", unit);
   for (int r = 0; r < runs; r++)
     for (int row = 0; row < EM_GATHER_ROWS; row++) {
       const struct em_gather *gather = in[r].gather;
@@ -146,7 +143,7 @@ static void how_hard(struct em_report *report, const struct input *in, int runs,
       interval(report, gather, row, EM_GATHER_QUANTILE, 0.75, o->level);
       interval(report, gather, row, EM_GATHER_MEAN, 0.0, o->level);
       interval(report, gather, row, EM_GATHER_QUANTILE, 0.90, o->level);
-      em_report_number(report, highest(gather->total[row]));
+      em_report_number(report, em_gather_highest(gather, row));
     }
 }
 
@@ -167,17 +164,29 @@ static bool drawn(const struct input *in, int runs, unsigned classes, int row) {
   return !(row == EM_GATHER_ALL && one); /* the same as its one class */
 }
 
-/* The range that all curves share: to the last 0.1 % of the widest. */
+/* Ends of the bins in use; *low stays at 0 where no value is negative. */
+static void range_of(const struct em_histogram *h, double *low, double *high) {
+  size_t first = 0, end = h->bins;
+  while (end > 0 && !(h->count[end - 1] > 0.0))
+    end--;
+  while (first < end && !(h->count[first] > 0.0))
+    first++;
+  *low = fmin(0.0, h->edge[first]);
+  *high = h->edge[end];
+}
+
+/* The range that all curves share holds all values, so that the areas are 1. */
 static void common_range(const struct input *in, int runs, unsigned classes, double *low,
                          double *high) {
   *low = INFINITY;
   *high = -INFINITY;
   for (int r = 0; r < runs; r++)
     for (int row = 0; row < EM_GATHER_ROWS; row++) {
-      const struct em_histogram *h = in[r].gather->total[row];
       if (!drawn(&in[r], runs, classes, row)) continue;
-      *high = fmax(*high, em_histogram_quantile(h, 0.999));
-      *low = fmin(*low, h->edge[0] < 0.0 ? em_histogram_quantile(h, 0.001) : 0.0);
+      double own_low, own_high;
+      range_of(in[r].gather->total[row], &own_low, &own_high);
+      *low = fmin(*low, own_low);
+      *high = fmax(*high, own_high);
     }
 }
 
@@ -196,19 +205,21 @@ static bool make_curve(struct curve *curve, const struct em_histogram *h, size_t
   return true;
 }
 
-/* The square root of the number of values, of the curve that has the fewest: all share their bins.
- */
+/* All curves share their bins: the square root of the number of values of the curve that has the
+ * fewest, but enough to tell the shape of those that have more. */
 static size_t bins_of(const struct input *in, int runs, const struct em_millpost_options *o) {
   if (o->bins > 0) return (size_t)o->bins;
-  size_t bins = MOST_BINS;
+  size_t fewest = MOST_BINS, most = 1;
   for (int r = 0; r < runs; r++)
     for (int row = 0; row < EM_GATHER_ROWS; row++) {
       if (!drawn(&in[r], runs, o->classes, row)) continue;
-      const size_t most = in[r].gather->online ? ONLINE_BINS : MOST_BINS;
-      const size_t b = em_histogram_default_bins(in[r].gather->total[row]->total, most);
-      if (b < bins) bins = b;
+      const size_t limit = in[r].gather->online ? ONLINE_BINS : MOST_BINS;
+      const size_t bins = em_histogram_default_bins(in[r].gather->total[row]->total, limit);
+      if (bins < fewest) fewest = bins;
+      if (bins > most) most = bins;
     }
-  return bins > LEAST_BINS ? bins : LEAST_BINS;
+  const size_t least = most < LEAST_BINS ? most : LEAST_BINS;
+  return fewest > least ? fewest : least;
 }
 
 static int make_curves(struct curve *curve, const struct input *in, int runs,
@@ -339,6 +350,10 @@ static int run_with(struct input *in, const struct em_millpost_options *o, enum 
   if (isnan(above) && strcmp(em_gather_unit(of), "m/s") == 0) above = 3.0;
   struct em_report *report = em_report_new("hist");
   facts(report, in, runs, o);
+  for (int r = 0; r < runs; r++)
+    if (!(in[r].gather->total[EM_GATHER_ALL]->total > 0.0))
+      em_report_note(report, "%s: nothing was counted between %.9g s and %.9g s.", in[r].label,
+                     in[r].gather->from, in[r].gather->to);
   how_often(report, in, runs, o, above);
   how_hard(report, in, runs, o);
   struct curve curve[MOST_RUNS * EM_GATHER_ROWS] = {{NULL, NULL, ""}};

@@ -65,9 +65,47 @@ for often, hard in zip(result["how_often"], result["how_hard"]):
     assert abs(often["share_above"] - np.mean(x > 1.5)) < 2e-3
     for key, q in (("q25", 25), ("median", 50), ("q75", 75)):
         assert abs(hard[key] / np.percentile(x, q) - 1) < 0.01, (key, hard, np.percentile(x, q))
+    assert abs(hard["mean"] / np.mean(x, dtype=float) - 1) < 1e-9 and hard["highest"] == x.max()
     assert hard["median_ci95"] > 0
 ' hist "$one" --from 0.1 --above 1.5; }
 check "hist agrees with numpy" hist
+
+area() { # of √N bins, N of the smallest class, up to the highest value
+  agrees "$one" '
+w = (t >= result["from"]) & (t < result["to"])
+vn, cls = h["eventmill/collisions/vn"][...][w], h["eventmill/collisions/class"][...][w]
+curve = result["curve"]
+assert len(curve) == np.ceil(np.sqrt(np.bincount(cls).min())), len(curve)
+assert vn.max() <= curve[-1]["high"] < 1.001 * vn.max()
+for name in ("all", "ball-ball", "ball-drum", "ball-end", "ball-blade"):
+    assert abs(sum(b[name] * (b["high"] - b["low"]) for b in curve) - 1) < 1e-9, name
+' hist "$one" --from 0.1 --curve
+}
+check "a histogram holds all values, and its area is 1" area
+rare() { # one collision: no figure beyond it, and no interval
+  agrees "$one" '
+often, hard = (result[k][0] for k in ("how_often", "how_hard"))
+assert often["count"] == 1 and often["share_above_ci95"] is None, often
+for key in ("mode", "q25", "median", "q75", "mean", "q90", "highest"):
+    assert abs(hard[key] - hard["highest"]) < 1e-6 * hard[key], hard
+    assert hard.get(key + "_ci95") is None, hard
+assert len(result["curve"]) == 1
+' hist "$one" --class ball-blade --curve --from "$1" --to "$2"
+}
+blow=$(/usr/bin/python3 - "$one" <<'PY'
+import sys
+import h5py
+t, c = (h5py.File(sys.argv[1], "r")["eventmill/collisions/" + k][...] for k in ("time", "class"))
+k = t[(c == 3) & (t > 0.1)][0]
+print(repr(float(k) - 1e-7), repr(float(k) + 1e-9))
+PY
+)
+# shellcheck disable=SC2086 # two times
+check "one collision tells no interval" rare $blow
+nothing() { agrees "$one" '
+assert any("nothing was counted between 0.2499999 s and 0.25 s" in n for n in result["notes"]), result["notes"]
+' hist "$one" --class ball-blade --from 0.2499999; }
+check "an empty window is told" nothing
 
 level() { # the half width's key tells its level, and it is narrower
   local a
