@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "eventmill/scene.h"
+#include "eventmill/world.h"
 #include "tool/millpost.h"
 
 static const char *const option_names[] = {"scene", ""};
@@ -69,29 +70,26 @@ static void state_facts(struct em_report *report, const struct em_run_file *run)
     em_report_fact_text(report, "rows", "collision table", "none");
 }
 
-/* Collisions per class at the last sample of the observables. */
+/* Collisions per class up to the last flush, like their sum. */
 static enum em_status class_table(struct em_report *report, const struct em_run_file *run,
                                   struct em_error *err) {
-  if (!em_run_file_has(run, "collisions")) return EM_OK;
-  struct em_series *series;
-  const enum em_status status = em_run_file_series(run, "collisions", &series, err);
+  struct em_snapshot *snapshot;
+  const enum em_status status = em_run_file_checkpoint(run, &snapshot, err);
   if (status != EM_OK) return status;
+  const uint64_t *count = snapshot->tally.collisions;
+  uint64_t all = 0;
+  for (int cls = 0; cls < EM_CLASS_COUNT; cls++)
+    all += count[cls];
   em_report_begin(report, "collisions_by_class", NULL);
   em_report_column(report, "class", "class", "");
   em_report_column(report, "count", "collisions", "");
   em_report_column(report, "share", "share", "");
-  if (series->count > 0 && series->width == EM_CLASS_COUNT) {
-    const double *last = series->value + (series->count - 1) * series->width;
-    double all = 0.0;
-    for (int cls = 0; cls < EM_CLASS_COUNT; cls++)
-      all += last[cls];
-    for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
-      em_report_text(report, "%s", em_contact_class_name((enum em_class)cls));
-      em_report_count(report, (uint64_t)last[cls]);
-      em_report_percent(report, all > 0.0 ? last[cls] / all : NAN);
-    }
+  for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
+    em_report_text(report, "%s", em_contact_class_name((enum em_class)cls));
+    em_report_count(report, count[cls]);
+    em_report_percent(report, all > 0 ? (double)count[cls] / (double)all : NAN);
   }
-  em_run_file_series_free(series);
+  em_world_snapshot_free(snapshot);
   return EM_OK;
 }
 

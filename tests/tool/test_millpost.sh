@@ -53,6 +53,14 @@ assert sum(c["count"] for c in result["collisions_by_class"]) == len(t)
 ' info "$one"; }
 check "info counts what the file holds" info
 
+between() { # flushed between two samples, without observables
+  run geometries/simoloyer-2l.cfg balls.count=100 duration=0.1234 record.observables=0 record.histograms=0 \
+    -o "$work/between.h5" && agrees "$one" '
+assert sum(c["count"] for c in result["collisions_by_class"]) == result["collisions"] > 0, result
+' info "$work/between.h5"
+}
+check "without observables, too" between
+
 hist() { agrees "$one" '
 w = (t >= result["from"]) & (t < result["to"])
 vn, cls = h["eventmill/collisions/vn"][...][w], h["eventmill/collisions/class"][...][w]
