@@ -24,8 +24,9 @@ static const struct em_millpost_help help = {
     .details =
         "POINTS.csv has a line of keys and a line per run; its column 'run' names the run files,\n"
         "from its own folder. All its columns come first in the table, then each key figure and\n"
-        "the half width of its confidence interval. Runs that are missing or not finished are left "
-        "out.\n"
+        "the half width of its confidence interval. Runs that are missing, not finished or over "
+        "before\n"
+        "--from are left out.\n"
         "counted_from and counted_to: of what is counted in collisions, in whole blocks of "
         "histograms\n"
         "where there is no collision table.\n"
@@ -42,7 +43,7 @@ static const struct em_millpost_help help = {
 /* What is known of the finished runs, row by row alike. */
 struct tables {
   struct em_grid runs, points, provenance;
-  size_t missing;
+  size_t missing, brief;
   char folder[1024];
 };
 
@@ -128,18 +129,23 @@ static enum em_status fill_figures(struct em_grid *runs, size_t row, size_t firs
   return EM_OK;
 }
 
-/* One run; *there tells whether it is finished. A file that is not there yet is no error. */
+/* One run; *kept tells whether it has a row. A file that is not there yet is no error, nor is one
+ * that ends before the window. */
 static enum em_status read_run(struct tables *t, size_t row, size_t first, const char *name,
-                               const struct em_millpost_options *o, bool *there,
+                               const struct em_millpost_options *o, bool *kept,
                                struct em_error *err) {
   char path[2048];
-  *there = false;
+  *kept = false;
   snprintf(path, sizeof path, "%s%s", name[0] == '/' ? "" : t->folder, name);
-  if (access(path, R_OK) != 0) return EM_OK;
   struct em_run_file *run = NULL;
-  enum em_status status = em_millpost_open(&run, path, err);
-  if (status == EM_OK && em_run_file_state(run)->end == EM_END_DONE) {
-    *there = true;
+  enum em_status status = EM_OK;
+  if (access(path, R_OK) == 0) status = em_millpost_open(&run, path, err);
+  if (status != EM_OK) return status;
+  const bool done = run && em_run_file_state(run)->end == EM_END_DONE;
+  *kept = done && !(em_run_file_state(run)->time <= o->from);
+  t->missing += !done;
+  t->brief += done && !*kept;
+  if (*kept) {
     status = fill_figures(&t->runs, row, first, run, o, err);
     if (status == EM_OK) status = fill_provenance(&t->provenance, row, name, run, err);
   }
@@ -180,10 +186,8 @@ static enum em_status read_runs(struct tables *t, const struct em_millpost_optio
   bool *keep = calloc(t->runs.rows + 1, sizeof *keep);
   if (!keep || !add_columns(&t->runs, o->level) || !add_provenance(&t->provenance, t->runs.rows))
     status = no_memory(err);
-  for (size_t r = 0; r < t->runs.rows && status == EM_OK; r++) {
+  for (size_t r = 0; r < t->runs.rows && status == EM_OK; r++)
     status = read_run(t, r, first, t->runs.column[name].word[r], o, &keep[r], err);
-    t->missing += !keep[r];
-  }
   if (status == EM_OK) {
     keep_rows(&t->runs, keep);
     keep_rows(&t->provenance, keep);
@@ -304,6 +308,7 @@ static int print(const struct tables *t, const struct em_grid *grid, const char 
   }
   em_grid_report(grid, report, name);
   if (t->missing > 0) em_report_note(report, "%zu runs are missing or not finished", t->missing);
+  if (t->brief > 0) em_report_note(report, "%zu runs are over before %g s", t->brief, o->from);
   return em_millpost_print(report, o, EM_MILLPOST_DONE);
 }
 

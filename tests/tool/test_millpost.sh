@@ -165,6 +165,13 @@ assert (row["from"], row["to"]) == (0.202, 0.204), row
 assert (row["counted_from"], row["counted_to"]) == (0.2, 0.21), row
 ' table "$work/points.csv" --from 0.202 --to 0.204; }
 check "so does table" table
+printf 'point,run\n1,plain.h5\n2,brief.h5\n3,none.h5\n' >"$work/mixed.csv"
+brief_run() { run geometries/simoloyer-2l.cfg balls.count=100 duration=0.01 -o "$work/brief.h5" >"$work/out" &&
+  agrees "$plain" '
+assert [r["run"] for r in result["runs"]] == ["plain.h5"], result["runs"]
+assert [n.split()[0] for n in result["notes"]] == ["1", "1"] and "over before 0.2 s" in result["notes"][1], result["notes"]
+' table "$work/mixed.csv" --from 0.2; }
+check "table leaves out runs that are over before its window" brief_run
 expect 2 "ends in .h5" "table writes HDF5 alone" post table "$work/points.csv" -o "$work/points.png"
 check "and leaves nothing else" test ! -e "$work/points.png"
 check "all tables in one file" post table "$work/points.csv" -o "$work/points.h5"
