@@ -31,6 +31,7 @@ static const struct em_millpost_help help = {
         "stay\n"
         "blank. With --minus, both maps and their difference are made; red is where RUN is "
         "larger.\n"
+        "Both runs must be of drums of one size, and each has its own window.\n"
         "With --slices, one picture is written per slice: FILE-1.png, FILE-2.png, ...",
     .examples =
         "  millpost map simoloyer-2l.h5 --cells sectors --of count -o where.png\n"
@@ -124,18 +125,24 @@ static void cell_table(struct em_report *report, const struct em_field *field,
   }
 }
 
+/* minus, other: of the run that is subtracted, and its window; minus NULL: none. */
 static void facts(struct em_report *report, const struct em_field *field,
                   const struct em_field *minus, const struct em_millpost_options *o,
-                  const struct em_window *window) {
+                  const struct em_window *window, const struct em_window *other) {
   const struct em_cells *cells = field->cells;
   em_report_fact_text(report, "run", "run", "%s", o->run[0]);
-  if (minus) em_report_fact_text(report, "minus", "minus", "%s", o->minus);
   em_report_fact_text(report, "of", "map of", "%s [%s]", em_field_symbol(field->of),
                       em_field_unit(field->of));
   char classes[EM_MILLPOST_CLASSES];
   em_millpost_classes(o->classes, classes, sizeof classes);
   if (o->classes) em_report_fact_text(report, "classes", "classes", "%s", classes);
   em_window_report(report, window);
+  if (minus) {
+    em_report_fact_text(report, "minus", "minus", "%s", o->minus);
+    em_report_fact(report, "minus_from", "from", other->from, "s");
+    em_report_fact(report, "minus_to", "to", other->to, "s");
+    em_report_fact_text(report, "minus_from_how", "begin chosen", "%s", other->how);
+  }
   if (cells->kind == EM_CELLS_SECTORS)
     em_report_fact_text(report, "cells_kind", "cells", "%zu sectors in %zu tubes, %zu slice%s",
                         cells->count, cells->tubes, cells->slices, cells->slices > 1 ? "s" : "");
@@ -309,6 +316,7 @@ static struct em_cells *make_cells(const struct em_chamber *chamber,
                           o->slices ? (size_t)o->slices : 1);
 }
 
+/* chamber: what the run's must be alike, or NULL. */
 static enum em_status read_input(struct input *in, const char *path,
                                  const struct em_millpost_options *o, enum em_field_of of,
                                  const struct em_chamber *chamber, struct em_error *err) {
@@ -321,10 +329,14 @@ static enum em_status read_input(struct input *in, const char *path,
     return em_error_set(err, EM_INPUT, path, 0,
                         "maps are of round drums, this one has %d facets (chamber.facets)",
                         scene->chamber.facets);
+  const struct em_chamber *own = &scene->chamber;
+  if (chamber && (own->diameter != chamber->diameter || own->length != chamber->length))
+    return em_error_set(err, EM_INPUT, path, 0,
+                        "a drum of %g × %g m (diameter × length), expected that of %s, %g × %g m",
+                        own->diameter, own->length, o->run[0], chamber->diameter, chamber->length);
   status = em_window_find(&in->window, in->run, o->from, o->to, err);
   if (status != EM_OK) return status;
-  /* Both runs are mapped into the cells of the first. */
-  struct em_cells *cells = make_cells(chamber ? chamber : &scene->chamber, o);
+  struct em_cells *cells = make_cells(own, o);
   return em_field_new(&in->field, in->run, of, o->classes, cells, &in->window, err);
 }
 
@@ -339,7 +351,7 @@ static int run_with(struct input *a, struct input *b, const struct em_millpost_o
   if (status == EM_OK && o->out) status = draw(a->run, a->field, b->field, o, &err);
   if (status != EM_OK) return em_millpost_fail(&err);
   struct em_report *report = em_report_new("map");
-  facts(report, a->field, b->field, o, &a->window);
+  facts(report, a->field, b->field, o, &a->window, &b->window);
   tube_table(report, a->field, b->field, o->level);
   if (o->format != EM_REPORT_TEXT) cell_table(report, a->field, b->field, o->level);
   return em_millpost_print(report, o, EM_MILLPOST_DONE);

@@ -227,6 +227,13 @@ check "a map names its classes" script "· ball-ball, ball-blade" \
 check "a histogram names its class" script "· ball-blade" hist "$one" --class ball-blade
 check "a comparison names its class" script "2 runs · ball-blade" \
   hist "$one" "$plain" --class ball-blade
+windows() { agrees "$one" '
+assert [result[k] for k in ("from", "to", "minus_from", "minus_to")] == [0.1, 0.25, 0.1, 0.25], result
+' map "$one" --minus "$fast" --cells rings --of count --from 0.1; }
+check "a difference tells both windows" windows
+run geometries/simoloyer-2l.cfg balls.count=100 chamber.length=0.14 duration=0.05 -o "$work/longer.h5" >"$work/out"
+expect 2 "longer.h5: error: a drum of 0.146 × 0.14 m" "drums of two sizes" \
+  post map "$one" --minus "$work/longer.h5" --cells rings --of count --from 0.01
 check "a difference of two maps" post map "$one" --minus "$fast" --cells sectors --of speed --from 0.1
 
 power() { agrees "$one" '
