@@ -206,7 +206,12 @@ static void print_csv(const struct em_report *report, FILE *out) {
       fputs(fact->cell.text, out);
     else
       csv_cell(&fact->cell, false, out);
-    if (fact->cell.has_half) fprintf(out, " ± %.9g", fact->cell.half);
+    fprintf(out, "%s%s\n", *fact->unit ? " " : "", fact->unit);
+    if (!fact->cell.has_half) continue;
+    char key[128];
+    em_report_half_key(key, sizeof key, fact->key, report->level);
+    fprintf(out, "# %s = ", key);
+    csv_number(fact->cell.half, out);
     fprintf(out, "%s%s\n", *fact->unit ? " " : "", fact->unit);
   }
   for (size_t k = 0; k < report->parts; k++) {

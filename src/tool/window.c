@@ -68,5 +68,5 @@ void em_window_report(struct em_report *report, const struct em_window *window) 
   em_report_fact(report, "to", "to", window->to, "s");
   em_report_fact_text(report, "from_how", "begin chosen", "%s", window->how);
   if (isfinite(window->geweke_p))
-    em_report_fact(report, "geweke_p", "Geweke's test of it", window->geweke_p, "(p)");
+    em_report_fact(report, "geweke_p", "Geweke's test of it, p", window->geweke_p, "");
 }

@@ -252,6 +252,9 @@ run geometries/ideal-gas.cfg balls.count=300 duration=0.05 chamber.rpm=300 conta
 check "power of a turning drum is drawn" script "title 'drum'" power "$turning" --from 0
 check "under its name" grep -q "Power of the drum and dissipation" "$work/diagram.gp"
 check "power without a table" post power "$plain" --from 0.1
+halves() { post power "$plain" --from 0.1 --csv >"$work/table" && grep -q '^# power_ci95 = [0-9.]* W$' "$work/table" &&
+  ! grep -q '±' "$work/table"; }
+check "CSV tells half widths by their keys, in its head as well" halves
 check "steady" post steady "$one"
 
 same() { agrees "$one" '
