@@ -31,7 +31,7 @@ static const struct em_millpost_option options[] = {
            NUMBER, alpha),
     OPTION("cumulative", NULL, "draw the shares below a value instead of the density", FLAG,
            cumulative),
-    OPTION("curve", NULL, "print the histogram itself, bin by bin", FLAG, curve),
+    OPTION("curve", NULL, "print the curves themselves, as a table", FLAG, curve),
     OPTION("log", NULL, "logarithmic axis", FLAG, log),
     OPTION("cells", "KIND", "sectors (seen along the axis) or rings (seen from the side)", TEXT,
            cells),

@@ -10,7 +10,7 @@
 #include "tool/millpost.h"
 #include "tool/window.h"
 
-static const char *const option_names[] = {"from", "to", "above", "level", "output", ""};
+static const char *const option_names[] = {"from", "to", "above", "level", "curve", "output", ""};
 
 static const struct em_millpost_help help = {
     .name = "power",
@@ -22,7 +22,9 @@ static const struct em_millpost_help help = {
                "what all\n"
                "contacts dissipate). The share of dissipation above a threshold speed needs the "
                "collision\n"
-               "table; without it the share of Σ ½ m v_n² is given.",
+               "table; without it the share of Σ ½ m v_n² is given. --curve: power against time, "
+               "between\n"
+               "one sample of the observables and the next.",
     .examples = "  millpost power simoloyer-2l.h5 -o power.png\n"
                 "  millpost power simoloyer-2l.h5 --above 2 --json",
     .options = option_names,
@@ -179,23 +181,41 @@ static void blade_table(struct em_report *report, const struct em_balance *b, do
   }
 }
 
-/* ---------------------------------------------------------------- diagram */
+/* ---------------------------------------------------------------- against time */
 
-/* The curves that can be drawn, and how much power one has between two samples. */
+/* The curves that there can be, and how much power one has between two samples. */
 static const struct curve {
-  const char *name;
+  const char *key, *name;
   enum em_plot_style style;
   double (*at)(const struct em_balance *balance, size_t k);
-} curves[] = {{"dissipated", EM_PLOT_LINE, em_balance_dissipated_at},
-              {"drum", EM_PLOT_LINE, em_balance_drum_at},
-              {"blades, by torque", EM_PLOT_LINE, em_balance_torque_at},
-              {"blades, by energy balance", EM_PLOT_DASHED, em_balance_energy_at}};
+} curves[] = {
+    {"dissipated", "dissipated", EM_PLOT_LINE, em_balance_dissipated_at},
+    {"power_drum", "drum", EM_PLOT_LINE, em_balance_drum_at},
+    {"power_by_torque", "blades, by torque", EM_PLOT_LINE, em_balance_torque_at},
+    {"power_by_energy", "blades, by energy balance", EM_PLOT_DASHED, em_balance_energy_at}};
 
 enum { CURVES = sizeof curves / sizeof *curves };
 
 static bool is_shown(const struct em_balance *b, const struct curve *curve) {
   if (curve->at == em_balance_dissipated_at) return true;
   return curve->at == em_balance_drum_at ? b->drum.count > 0 : b->blades > 0;
+}
+
+static void curve_table(struct em_report *report, const struct em_balance *b) {
+  em_report_begin(report, "curve", "Power against time");
+  em_report_column(report, "low", "from", "s");
+  em_report_column(report, "high", "to", "s");
+  for (size_t c = 0; c < CURVES; c++)
+    if (is_shown(b, &curves[c])) em_report_column(report, curves[c].key, curves[c].name, "W");
+  if (b->blades > 0) em_report_column(report, "difference", "torque less balance", "W");
+  for (size_t k = 0; k + 1 < b->lost.count; k++) {
+    em_report_number(report, b->lost.time[k]);
+    em_report_number(report, b->lost.time[k + 1]);
+    for (size_t c = 0; c < CURVES; c++)
+      if (is_shown(b, &curves[c])) em_report_number(report, curves[c].at(b, k));
+    if (b->blades > 0)
+      em_report_number(report, em_balance_torque_at(b, k) - em_balance_energy_at(b, k));
+  }
 }
 
 static enum em_status draw(const struct em_run_file *run, const struct em_balance *b,
@@ -273,6 +293,7 @@ static enum em_status analyse(struct em_report *report, const struct em_run_file
                      threshold, useful.window.from, useful.window.to);
     class_table(report, &balance, &useful, threshold, o->level);
     if (balance.blades > 0) blade_table(report, &balance, o->level);
+    if (o->curve) curve_table(report, &balance);
   }
   if (status == EM_OK && o->out) status = draw(run, &balance, o->out, err);
   em_balance_free(&balance);

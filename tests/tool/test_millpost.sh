@@ -251,6 +251,14 @@ run geometries/ideal-gas.cfg balls.count=300 duration=0.05 chamber.rpm=300 conta
   contact.tangential=0.5 -o "$turning"
 check "power of a turning drum is drawn" script "title 'drum'" power "$turning" --from 0
 check "under its name" grep -q "Power of the drum and dissipation" "$work/diagram.gp"
+against_time() { agrees "$one" '
+curve = result["curve"]
+mean = lambda key: sum(c[key] * (c["high"] - c["low"]) for c in curve) / (curve[-1]["high"] - curve[0]["low"])
+for key in ("power_by_torque", "power_by_energy", "dissipated"):
+    assert abs(mean(key) / result[key] - 1) < 1e-9, key
+assert len(curve) == 60 and max(abs(c["difference"]) for c in curve) < 1e-9 * result["power"]
+' power "$one" --from 0.1 --curve; }
+check "power against time" against_time
 check "power without a table" post power "$plain" --from 0.1
 halves() { post power "$plain" --from 0.1 --csv >"$work/table" && grep -q '^# power_ci95 = [0-9.]* W$' "$work/table" &&
   ! grep -q '±' "$work/table"; }
