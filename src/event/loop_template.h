@@ -1,8 +1,8 @@
 /* The event loop, a template: loop_variants.h includes it once per set of effects.
- * Before each inclusion LOOP is the suffix of its functions and LOOP_FLAGS the set of EM_LOOP_*;
- * what a set does not name is not compiled into it. Here is how events follow each other; when a
- * ball meets others is in loop_pairs.h, when it meets surfaces in loop_surfaces.h, and what a
- * contact does in loop_contacts.h.
+ * Before each inclusion LOOP is the suffix of its functions, LOOP_NAME what users read, and
+ * LOOP_FLAGS the set of EM_LOOP_*; what a set does not name is not compiled into it. Here is how
+ * events follow each other; when a ball meets others is in loop_pairs.h, when it meets surfaces in
+ * loop_surfaces.h, and what a contact does in loop_contacts.h.
  *
  *     run               takes the first event of all, again and again:
  *       tidy            a bin of the calendar begins
@@ -314,9 +314,18 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
   return EM_OK;
 }
 
+static const struct em_loop_kind FN(kind) = {
+    .name = LOOP_NAME,
+    .flags = LOOP_FLAGS,
+    .lanes = LOOP_LANES,
+    .predict_all = FN(predict_all),
+    .run = FN(run),
+};
+
 #undef FN_JOIN
 #undef FN_MAKE
 #undef FN
 #undef WITH
 #undef LOOP
+#undef LOOP_NAME
 #undef LOOP_FLAGS

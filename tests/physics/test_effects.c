@@ -66,6 +66,35 @@ static void test_variants(void **state) {
   has_flags(MILL, "balls.count=100 contact.rule=smooth gravity=none", EM_LOOP_ROTOR);
 }
 
+/* There is no loop for other sets: a scene has no rotor in a periodic box. */
+static bool has_loop(unsigned flags) {
+  return !(flags & EM_LOOP_ROTOR) || !(flags & EM_LOOP_PERIODIC);
+}
+
+/* A variant has the effects that it is found by, and says so. */
+static void test_names(void **state) {
+  (void)state;
+  static const struct {
+    unsigned flag;
+    const char *name;
+  } effects[] = {{EM_LOOP_GRAVITY, "gravity+"},
+                 {EM_LOOP_SPIN, "spin+"},
+                 {EM_LOOP_ROTOR, "rotor+"},
+                 {EM_LOOP_PERIODIC, "periodic+"},
+                 {EM_LOOP_EXTRA, "remedies+"}};
+  for (unsigned flags = 0; flags < 2 * EM_LOOP_EXTRA; flags++) {
+    const struct em_loop_kind *kind = em_loop_find(flags, 1);
+    char name[64] = "";
+    for (size_t k = 0; k < sizeof effects / sizeof *effects; k++)
+      if (flags & effects[k].flag) strcat(name, effects[k].name);
+    if (*name) name[strlen(name) - 1] = '\0';
+    assert_true((kind != NULL) == has_loop(flags));
+    if (!kind) continue;
+    assert_true(kind->flags == flags);
+    assert_string_equal(kind->name, *name ? name : "plain");
+  }
+}
+
 /* What is not called for may hold anything: the loop does not read it. (Partitions do: to them, no
  * gravity is a gravity of 0.) */
 static void spoil(struct trial *t, struct em_scene *scene) {
@@ -164,9 +193,13 @@ static void test_lists_stay_small(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_spins),       cmocka_unit_test(test_masses),
-      cmocka_unit_test(test_variants),    cmocka_unit_test(test_unread),
-      cmocka_unit_test(test_bytes),       cmocka_unit_test(test_lists_stay_small),
+      cmocka_unit_test(test_spins),
+      cmocka_unit_test(test_masses),
+      cmocka_unit_test(test_variants),
+      cmocka_unit_test(test_names),
+      cmocka_unit_test(test_unread),
+      cmocka_unit_test(test_bytes),
+      cmocka_unit_test(test_lists_stay_small),
       cmocka_unit_test(test_idle_remedy),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
