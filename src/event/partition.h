@@ -12,9 +12,10 @@
 
 struct em_partition_kind {
   const char *name;
-  /* Makes the partition for the world's balls at its clock and sets all leave times. Reads the
-   * world's scene, bodies, bounds, period and blades. Errors: EM_MEMORY, EM_INPUT. */
-  enum em_status (*make)(struct em_world *world, struct em_places **places, struct em_error *err);
+  /* Makes world.places for the world's balls at its clock and sets all leave times. Reads the
+   * world's scene, bodies, bounds, period and blades. Errors: EM_MEMORY, EM_INPUT; then
+   * world.places stays NULL. */
+  enum em_status (*make)(struct em_world *world, struct em_error *err);
   void (*free)(struct em_places *places);
   /* All candidates of ball i (i itself is not among them); valid until the next call. Behind them,
    * up to a multiple of eight, stand any balls; the same holds for cross. */

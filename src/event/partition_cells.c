@@ -361,7 +361,7 @@ static bool fill(struct em_world *w, struct em_places *p) {
   return em_partition_cells_widen(p);
 }
 
-static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+static enum em_status make(struct em_world *w, struct em_error *err) {
   struct em_places *p = em_body_array(1, sizeof *p);
   if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the cells");
   p->count = w->count;
@@ -375,7 +375,6 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
   }
   if (p->near) set_near(w, p);
   w->crosses_all = p->centre;
-  *places = p;
   return EM_OK;
 }
 

@@ -495,7 +495,7 @@ static bool renew(struct em_world *w) {
   return fill(w, p);
 }
 
-static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+static enum em_status make(struct em_world *w, struct em_error *err) {
   const double most = skin_most(w);
   if (!fits(w, most))
     return em_error_set(err, EM_INPUT, w->scene->file, 0,
@@ -522,7 +522,6 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
   }
-  *places = p;
   return EM_OK;
 }
 

@@ -53,7 +53,7 @@ static void free_places(struct em_places *p) {
   free(p);
 }
 
-static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+static enum em_status make(struct em_world *w, struct em_error *err) {
   const double room = em_span_room(w);
   struct em_places *p = calloc(1, sizeof *p);
   const bool periodic = room < INFINITY;
@@ -68,7 +68,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the partition");
   }
-  *places = w->places = p;
+  w->places = p;
   w->crosses_all = periodic;
   for (uint32_t i = 0; i < w->count; i++) {
     p->other[i] = p->position[i] = i;

@@ -223,7 +223,7 @@ static void fill(struct em_world *w, struct em_places *p) {
     set_leave(w, i, w->clock);
 }
 
-static enum em_status make(struct em_world *w, struct em_places **places, struct em_error *err) {
+static enum em_status make(struct em_world *w, struct em_error *err) {
   struct em_places *p = calloc(1, sizeof *p);
   if (!p) return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the slices");
   p->count = w->count;
@@ -232,7 +232,7 @@ static enum em_status make(struct em_world *w, struct em_places **places, struct
     free_places(p);
     return status ? status : em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the slices");
   }
-  *places = w->places = p;
+  w->places = p;
   w->crosses_all = p->centre;
   fill(w, p);
   return EM_OK;

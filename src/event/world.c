@@ -203,7 +203,7 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
   w->local = w->local_kind->make(w->count, w->plan);
   if (!w->queue || !w->local)
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
-  return w->partition_kind->make(w, &w->places, err);
+  return w->partition_kind->make(w, err);
 }
 
 static enum em_status predict_all(struct em_world *w, struct em_error *err) {
