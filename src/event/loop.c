@@ -1,4 +1,5 @@
 /* The loop for any processor. */
+#include "event/loop_ahead.h"
 #include "event/loop_parts.h"
 
 #define LOOP_LANES 1

@@ -1,4 +1,5 @@
 /* The loop for processors with AVX2. */
+#include "event/loop_ahead.h"
 #include "event/loop_parts.h"
 
 #define LOOP_LANES 4

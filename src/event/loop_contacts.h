@@ -83,7 +83,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
   const uint32_t i = one < other ? one : other, j = one ^ other ^ i;
   const uint32_t si = FN(streak)(w, i, t), sj = FN(streak)(w, j, t);
   if ((si > sj ? si : sj) >= w->scene->remedy.collapse_after)
-    return collapsed(w, si > sj ? i : j, si > sj ? j : i, t, err);
+    return em_collapse_report(w, si > sj ? i : j, si > sj ? j : i, t, err);
   double since = INFINITY;
   if (WITH(EXTRA)) since = em_lesser(FN(since)(w, i, t), FN(since)(w, j, t));
   FN(advance)(w, i, t);
@@ -185,7 +185,7 @@ static enum em_class FN(meet_surface)(const struct em_world *w, uint32_t i, uint
 static enum em_status FN(collide_surface)(struct em_world *w, uint32_t i, uint32_t code, double t,
                                           struct em_error *err) {
   const uint32_t si = FN(streak)(w, i, t);
-  if (si >= w->scene->remedy.collapse_after) return collapsed(w, i, code, t, err);
+  if (si >= w->scene->remedy.collapse_after) return em_collapse_report(w, i, code, t, err);
   const double since = WITH(EXTRA) ? FN(since)(w, i, t) : INFINITY;
   FN(advance)(w, i, t);
   const struct em_body *b = &w->body[i];

@@ -1,4 +1,4 @@
-/* What all variants of the loop share: periodic images, bookkeeping. */
+/* What all variants of the loop share: lists and cells, periodic images, bookkeeping, order. */
 #ifndef EVENTMILL_LOOP_PARTS_H
 #define EVENTMILL_LOOP_PARTS_H
 
@@ -106,98 +106,6 @@ static inline bool leaves_first(const struct em_world *w, uint32_t i) {
   return w->plan[i].leave <= w->plan[i].first.time;
 }
 
-/* --- foresight -------------------------------------------------------------------------------- */
-
-enum { FORESEEN = EM_BLOCKS_MANY }; /* balls of a bin */
-_Static_assert((int)FORESEEN >= (int)EM_CALENDAR_LARGE, "its earliest ball is among them");
-
-/* Asks memory for all that stands at the number of a ball. */
-static inline void fetch_ball(const struct em_world *w, uint32_t i) {
-  em_fetch(&w->body[i]);
-  em_fetch(&w->plan[i]);
-  if (!w->cells) w->partition_kind->fetch(w, i, false, false);
-}
-
-/* The balls whose bodies a prediction of ball i will read, or that of its crossing. */
-static inline void fetch_candidates(struct em_world *w, uint32_t i, bool leaves) {
-  struct candidates c;
-  c.id = w->cells ? em_blocks_upcoming(w, i, leaves, &c.count)
-                  : w->partition_kind->candidates(w, i, &c.count);
-  if (w->cells || !leaves) {
-    fetch_bodies(w, &c, false);
-    return;
-  }
-  for (uint32_t k = 0; k < c.count; k++)
-    w->partition_kind->fetch(w, c.id[k], false, false);
-}
-
-static inline void fetch_place(const struct em_world *w, uint32_t i, bool leaves) {
-  if (w->cells)
-    em_blocks_fetch(w, i, leaves);
-  else
-    w->partition_kind->fetch(w, i, true, leaves);
-}
-
-/* The calendar knows which balls come next: what stands at their numbers is asked for two bins
- * ahead; what that points to, and what stands at the numbers of those that they will meet, one bin
- * ahead; and the candidates of both when the bin begins. */
-static inline void foresee(struct em_world *w) {
-  uint32_t ball[FORESEEN], partner[FORESEEN], pairs = 0;
-  em_calendar_fetch(w->queue, 4);
-  uint32_t n = em_calendar_peek(w->queue, 2, ball, FORESEEN);
-  for (uint32_t k = 0; k < n; k++)
-    fetch_ball(w, ball[k]);
-  n = em_calendar_peek(w->queue, 1, ball, FORESEEN);
-  for (uint32_t k = 0; k < n; k++) {
-    const struct em_plan *plan = &w->plan[ball[k]];
-    if (!(em_calendar_bin(w->queue, plan->due) < w->queue->due_end + 1.0)) continue;
-    const bool leaves = leaves_first(w, ball[k]);
-    if (!leaves && plan->first.partner < EM_SURFACE) fetch_ball(w, plan->first.partner);
-    fetch_place(w, ball[k], leaves);
-  }
-  n = em_calendar_peek(w->queue, 0, ball, FORESEEN);
-  for (uint32_t k = 0; k < n; k++) {
-    const struct em_prediction *p = &w->plan[ball[k]].first;
-    const bool leaves = leaves_first(w, ball[k]);
-    if (!leaves && p->partner < EM_SURFACE && holds(w, ball[k], p)) {
-      partner[pairs++] = p->partner;
-      fetch_place(w, p->partner, false);
-    }
-    fetch_candidates(w, ball[k], leaves);
-  }
-  for (uint32_t k = 0; k < pairs; k++)
-    fetch_candidates(w, partner[k], false);
-}
-
-/* In systems of medium size it is enough to ask, when a bin begins, for what its n balls and their
- * partners read first, and for the plans of the next bin: a gain of 1.02. */
-static inline __attribute__((always_inline)) void fetch_bin(const struct em_world *w,
-                                                            const uint32_t *ball, uint32_t n) {
-  if (!w->fetches_close) return;
-  em_calendar_fetch(w->queue, 2);
-  em_calendar_fetch_plans(w->queue, 1);
-  for (uint32_t k = 0; k < n; k++) {
-    const uint32_t i = ball[k], partner = w->plan[i].first.partner;
-    const uint32_t j = partner < EM_SURFACE ? partner : i;
-    em_fetch_close(&w->body[i]);
-    em_fetch_close(&w->body[j]);
-    em_fetch_close(&w->plan[j]);
-  }
-}
-
-/* In systems of medium size: the lists of n balls and of their partners. Where they are is asked
- * for when their bin begins, they themselves (`beyond`) when it has been tidied up: a gain of 1.03
- * in a dense gas of 10⁴ balls. */
-static inline void fetch_lists(const struct em_world *w, const uint32_t *ball, uint32_t n,
-                               bool beyond) {
-  if (!w->fetches_lists) return;
-  for (uint32_t k = 0; k < n; k++) {
-    const uint32_t i = ball[k], partner = w->plan[i].first.partner;
-    w->partition_kind->fetch(w, i, beyond, false);
-    if (partner < EM_SURFACE) w->partition_kind->fetch(w, partner, beyond, false);
-  }
-}
-
 /* --- periodic images -------------------------------------------------------------------------- */
 
 static inline vd image_shift(vd d, double period, double per_period) {
@@ -258,20 +166,8 @@ static inline void tell(const struct em_world *w, const struct em_contact *conta
     if (w->observer[k].contact) w->observer[k].contact(w->observer[k].self, contact);
 }
 
-/* Lower bound of the gap (m) between a ball and a blade as it stood at turning.at, not too far from
- * the time t; a contact needs the ball within the bar's length, whatever its tip. */
-static inline double turning_gap(struct em_turning *b, struct em_vec r, double radius, double t) {
-  if (b->swing * fabs(t - b->at) > 0.25 * radius) {
-    b->at = t;
-    b->cos = cos(b->blade.angle + b->blade.omega * t);
-    b->sin = sin(b->blade.angle + b->blade.omega * t);
-  }
-  const struct em_vec q = em_vec_sub(r, b->blade.centre);
-  const double q1 = em_vec_dot(q, b->blade.e1), q3 = em_vec_dot(q, b->e3);
-  const double axial = em_vec_dot(q, b->blade.axis);
-  const double along = q1 * b->cos + q3 * b->sin, off = q3 * b->cos - q1 * b->sin;
-  const double side = sqrt(off * off + axial * axial) - b->blade.radius;
-  return (em_greater(fabs(along) - b->blade.reach, side) - radius) - 1e-9 * b->hull;
+static inline enum em_status no_memory(struct em_error *err) {
+  return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
 }
 
 /* --- order ------------------------------------------------------------------------------------ */
@@ -286,15 +182,6 @@ static inline bool is_real(const struct em_world *w, uint32_t i, double t) {
 static inline bool meets(const struct em_world *w, uint32_t i, uint32_t j) {
   const struct em_prediction *p = local_first(w, i);
   return p && p->partner == j;
-}
-
-static inline enum em_status collapsed(const struct em_world *w, uint32_t i, uint32_t partner,
-                                       double t, struct em_error *err) {
-  return em_collapse_report(w, i, partner, t, err);
-}
-
-static inline enum em_status no_memory(struct em_error *err) {
-  return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the event lists");
 }
 
 #endif

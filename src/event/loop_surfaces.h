@@ -61,11 +61,28 @@ static __attribute__((noinline)) bool FN(predict_walls)(struct em_world *w, uint
          (!w->wall[2 * axis + 1] || FN(predict_plane)(w, i, 2 * axis + 1, high - x - r, -v, -g, h));
 }
 
+/* Lower bound of the gap (m) between a ball and a blade as it stood at turning.at, not too far from
+ * the time t; a contact needs the ball within the bar's length, whatever its tip. */
+static inline double FN(turning_gap)(struct em_turning *b, struct em_vec r, double radius,
+                                     double t) {
+  if (b->swing * fabs(t - b->at) > 0.25 * radius) {
+    b->at = t;
+    b->cos = cos(b->blade.angle + b->blade.omega * t);
+    b->sin = sin(b->blade.angle + b->blade.omega * t);
+  }
+  const struct em_vec q = em_vec_sub(r, b->blade.centre);
+  const double q1 = em_vec_dot(q, b->blade.e1), q3 = em_vec_dot(q, b->e3);
+  const double axial = em_vec_dot(q, b->blade.axis);
+  const double along = q1 * b->cos + q3 * b->sin, off = q3 * b->cos - q1 * b->sin;
+  const double side = sqrt(off * off + axial * axial) - b->blade.radius;
+  return (em_greater(fabs(along) - b->blade.reach, side) - radius) - 1e-9 * b->hull;
+}
+
 /* Can ball and blade not close their gap in time? */
 static inline bool FN(stays_off_blade)(struct em_turning *turning, const struct em_body *at,
                                        double fall, double rest) {
   const double speed = em_vec_norm(velocity(at)) + fall * rest;
-  const double gap = turning_gap(turning, centre(at), at->radius, at->t);
+  const double gap = FN(turning_gap)(turning, centre(at), at->radius, at->t);
   return gap > speed * rest + turning->swing * (fabs(at->t - turning->at) + rest);
 }
 

@@ -2,7 +2,8 @@
  * Before each inclusion LOOP is the suffix of its functions, LOOP_NAME what users read, and
  * LOOP_FLAGS the set of EM_LOOP_*; what a set does not name is not compiled into it. Here is how
  * events follow each other; when a ball meets others is in loop_pairs.h, when it meets surfaces in
- * loop_surfaces.h, and what a contact does in loop_contacts.h.
+ * loop_surfaces.h, what a contact does in loop_contacts.h, and what memory is asked ahead for in
+ * loop_ahead.h.
  *
  *     run               takes the first event of all, again and again:
  *       tidy            a bin of the calendar begins
