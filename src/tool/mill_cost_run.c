@@ -28,7 +28,7 @@ enum em_status em_mill_cost_run_steady(struct em_cost *cost, struct em_error *er
   enum { PARTS = 40 };
   struct em_balls *balls = NULL;
   struct em_world *world = NULL;
-  enum em_status status = em_recorder_start(&balls, cost->scene, NULL, err);
+  enum em_status status = em_recorder_start(&balls, cost->scene, cost->stop, err);
   if (!status) status = em_world_new(&world, cost->scene, balls, err);
   double spent = 0.0, taken = 0.0;
   for (int k = 1; k <= PARTS && !status; k++) {

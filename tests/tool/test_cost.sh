@@ -151,6 +151,16 @@ check "it says so" grep -q "^interrupted: [0-9]* of [0-9]* variants are measured
 check "with what is measured" grep -q "^level standard,[0-9.]*,[0-9.]" "$work/stopped.csv"
 check "and leaves no file" equal "$(ls "$work/tmp")" ""
 
+"$mill" cost "$mill_scene" balls.count=260000 balls.diameter=0.002 -q >"$work/out" 2>"$work/said" &
+pid=$!
+sleep 1
+kill -INT $pid
+check "stopped while it places balls" timeout 5 tail --pid=$pid -f /dev/null # all take 15 s
+kill -KILL $pid 2>/dev/null
+wait $pid
+is "with its exit code" 1 $?
+check "it says so" grep -q "^interrupted" "$work/said"
+
 # What the scene includes is changed while it is measured: all variants are those of its beginning.
 printf '@include "part.cfg"\n' >"$work/whole.cfg"
 cp "$gas" "$work/part.cfg"
