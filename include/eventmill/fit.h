@@ -19,7 +19,8 @@ struct em_fit {
   int parameters;
   size_t n;
   double p[EM_FIT_PARAMETERS];
-  double error[EM_FIT_PARAMETERS]; /* standard errors, from the scatter of the data */
+  double error[EM_FIT_PARAMETERS]; /* standard errors, from the scatter of the data; NAN where
+                                      these do not determine the parameter */
   double residual;                 /* Σ (y − f)² */
   double sigma;                    /* √(residual/(n − parameters)) */
   double aic;                      /* n ln(residual/n) + 2 (parameters + 1), Akaike 1974 */
@@ -28,7 +29,7 @@ struct em_fit {
 };
 
 /* Fits from the start values p0. Errors: EM_INPUT (n ≤ parameters, or values that are not finite),
- * EM_MEMORY, EM_NUMERIC (no step can be made). */
+ * EM_MEMORY, EM_NUMERIC (no step can be made, or no error told). */
 enum em_status em_fit_curve(struct em_fit *fit, const struct em_fit_model *model, size_t n,
                             const double *x, const double *y, const double *p0,
                             struct em_error *err);

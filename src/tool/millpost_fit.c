@@ -25,7 +25,8 @@ static const struct em_millpost_help help = {
         "a # is a comment, and a first line without numbers is a heading. The laws are ranked by\n"
         "Akaike's criterion (the smaller, the better; 2 is a slight difference, 10 a clear one). "
         "The\n"
-        "best is printed as an entry for a scene.",
+        "best is printed as an entry for a scene. In place of an error, - stands where the pairs "
+        "do not\ndetermine the parameter, or it ends at 0.",
     .examples = "  millpost fit shots.txt -o shots.png\n"
                 "  millpost fit shots.csv --json",
     .options = option_names,

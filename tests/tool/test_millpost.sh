@@ -436,6 +436,13 @@ for name, truth in (("A", 1.0), ("B", 1.2), ("C", 0.6), ("D", 0.35)):
     assert abs(p[name] - truth) < 1e-6, p
 ' fit "$work/exact.txt"; }
 check "fit finds all four parameters of power4" power4
+for k in 1 2 3 4 5 6 7 8; do echo "2.0, 0.7$k"; done >"$work/same.csv"
+same() { agrees "$one" '
+e = {(x["law"], x["name"]): x["error"] for x in result["parameters"]}
+assert e["constant", "epsilon"] > 0
+assert [e["spahn", name] for name in "ABC"] == [None, None, None], e
+' fit "$work/same.csv"; }
+check "one speed does not determine three parameters" same
 
 for to in xdmf xdmf3 vtk lammps csv pov stl; do
   check "export --to $to" post export "$one" --to $to --every 25 -o "$work/export.$to"

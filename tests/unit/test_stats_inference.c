@@ -415,6 +415,42 @@ static void fit_recovers_parameters(void **state) {
     assert_near(fit.p[k], truth[k], 1e-6);
 }
 
+static double first_two(double x, const double *p, const void *self) {
+  (void)x;
+  (void)self;
+  return p[0] + p[1];
+}
+
+static double slope(double x, const double *p, const void *self) {
+  (void)self;
+  return p[0] + p[2] * x;
+}
+
+/* One that the curve does not know, two of which only the sum counts, and all at one place. */
+static void what_data_do_not_determine_has_no_error(void **state) {
+  (void)state;
+  enum { N = 10 };
+  const struct em_fit_model idle = {3, slope, NULL}, sum = {2, first_two, NULL};
+  const struct em_fit_model law = {3, spahn, NULL};
+  double x[N], y[N], one[N];
+  for (int i = 0; i < N; i++) {
+    x[i] = i;
+    y[i] = 0.5 + 0.01 * (i * 7 % N);
+    one[i] = 2.0;
+  }
+  struct em_fit fit;
+  assert_int_equal(em_fit_curve(&fit, &idle, N, x, y, (double[]){1, 1, 1}, NULL), EM_OK);
+  assert_true(fit.error[0] > 0.0 && isnan(fit.error[1]) && fit.error[2] > 0.0);
+  struct em_fit line;
+  assert_int_equal(em_fit_line(&line, N, x, y, NULL), EM_OK);
+  assert_near(fit.error[0], line.error[0] * sqrt((N - 2.0) / (N - 3.0)), 1e-6);
+  assert_int_equal(em_fit_curve(&fit, &sum, N, x, y, (double[]){1, 1}, NULL), EM_OK);
+  assert_true(isnan(fit.error[0]) && isnan(fit.error[1]));
+  assert_int_equal(em_fit_curve(&fit, &law, N, one, y, (double[]){1, 1, 0.25}, NULL), EM_OK);
+  for (int k = 0; k < 3; k++)
+    assert_true(isnan(fit.error[k]));
+}
+
 static void fits_refuse_nonsense(void **state) {
   (void)state;
   const struct em_fit_model model = {3, spahn, NULL};
@@ -444,6 +480,7 @@ int main(void) {
       cmocka_unit_test(tied_p_values_are_uniform),
       cmocka_unit_test(chi2_merges_thin_bins),
       cmocka_unit_test(fit_recovers_parameters),
+      cmocka_unit_test(what_data_do_not_determine_has_no_error),
       cmocka_unit_test(fits_refuse_nonsense),
   };
   return cmocka_run_group_tests(tests, make_rng, free_rng);
