@@ -61,7 +61,7 @@ int em_mill_read(struct em_scene **scene, const struct em_mill_options *options)
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
 
 /* From now on the first SIGINT or SIGTERM asks for an end by what this points to; the second has
- * its usual effect. A file that grows beyond its limit shall be an error, not a signal. */
+ * its usual effect. */
 const volatile sig_atomic_t *em_mill_signals(void);
 
 /* Prints the error's text to stderr. */

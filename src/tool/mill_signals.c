@@ -14,6 +14,5 @@ const volatile sig_atomic_t *em_mill_signals(void) {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
-  signal(SIGXFSZ, SIG_IGN);
   return &stop;
 }

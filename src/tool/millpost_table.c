@@ -6,11 +6,11 @@
 #include <unistd.h>
 
 #include "eventmill/interval.h"
+#include "eventmill/provenance.h"
 #include "record/output.h"
 #include "tool/figures.h"
 #include "tool/grid.h"
 #include "tool/millpost.h"
-#include "version.h"
 
 /* Columns between those of the points and the figures. */
 enum { FACTS = 6 };
@@ -287,7 +287,7 @@ static enum em_status write_file(const struct tables *t, const struct em_millpos
   em_h5_quiet();
   const hid_t file = H5Fcreate(output.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   bool good = file >= 0 && em_h5_put_text(file, "/", "creator", "millpost table") &&
-              em_h5_put_text(file, "/", "creator_version", EM_VERSION " (" EM_VERSION_GIT ")") &&
+              em_h5_put_text(file, "/", "creator_version", em_provenance_version()) &&
               em_h5_put_text(file, "/", "points", o->run[0]) &&
               em_h5_put_double(file, "/", "level", o->level) &&
               em_h5_put_double(file, "/", "threshold", isnan(o->above) ? 3.0 : o->above) &&

@@ -8,10 +8,12 @@ mounted=
 trap '[ -n "$mounted" ] && umount "$work/small"; rm -rf "$work"' EXIT
 gas=geometries/ideal-gas.cfg
 small=("$gas" duration=0.002 balls.count=200)
+declare -A tell=([mill]=check [millpost]=hist) # a command of each program
 
 # ---------------------------------------------------------------- usage
 expect 2 "Usage" "no command" "$mill"
-expect 2 "unknown command 'fly'" "unknown command" "$mill" fly
+expect 2 "unknown command 'fly', expected one of: run check cost" "unknown command" "$mill" fly
+expect 2 "unknown command 'fly', expected one of: info hist " "millpost: unknown command" "$post" fly
 expect 2 "no scene given" "no scene" "$mill" run
 expect 2 "unknown option '--fast'" "unknown option" "$mill" run $gas --fast
 expect 2 "unknown option '-x'" "unknown letter among others" "$mill" run --json -xq $gas
@@ -32,7 +34,15 @@ expect 2 "error" "entry of the wrong type" "$mill" run $gas duration=long -o "$w
 for command in run check; do
   check "$command --help has examples" bash -c "'$mill' $command --help | grep -q '^  mill $command geometries/'"
 done
-check "--version names libraries" bash -c "'$mill' --version | grep -q 'HDF5.*GSL.*libconfig'"
+nowhere() { "$@" >/dev/full; }
+for program in "$mill" "$post"; do
+  name=${program##*/}
+  check "$name --version names libraries" bash -c "'$program' --version | grep -q 'HDF5.*GSL.*libconfig'"
+  for asked in "--help" "--version" "${tell[$name]} --help"; do
+    # shellcheck disable=SC2086 # several words
+    expect 1 "cannot be written" "$name $asked to a full disk" nowhere "$program" $asked
+  done
+done
 
 # ---------------------------------------------------------------- check
 for scene in geometries/*.cfg; do
