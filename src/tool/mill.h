@@ -29,11 +29,13 @@ struct em_mill_options {
   bool resume, force, quiet, json, joined;
 };
 
+/* Options without a letter. */
+enum { EM_MILL_RESUME = 256, EM_MILL_FORCE, EM_MILL_PRECISION, EM_MILL_JOINED };
+
 /* Which options a command takes, and what its --help says. */
 struct em_mill_help {
   const char *name;
-  const char *takes; /* letters of the options beside -h: o, r(esume), f(orce), q(uiet), j(son),
-                         u(ntil-precision), J(oined) */
+  const int *takes; /* beside -h: letters and options without one; 0 ends the list */
   const char *text;
 };
 

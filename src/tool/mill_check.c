@@ -7,17 +7,21 @@
 #include "scene/scene_source.h"
 #include "tool/mill.h"
 
+static const int options_taken[] = {EM_MILL_JOINED, 0};
+
 static const struct em_mill_help help = {
     .name = "check",
-    .takes = "J",
+    .takes = options_taken,
     .text =
         "Usage: mill check SCENE [KEY=VALUE ...]\n\n"
         "Validates a scene, places its balls, and prints the scene with all defaults filled in.\n"
         "What it prints is itself a scene; comments tell the effects that it calls for, the\n"
         "variant of the event loop that will run it, the memory that a ball takes, and what\n"
         "follows from engine.accuracy, which can thus still be changed.\n\n"
-        "  --joined  print the scene as it is written, but with its includes in place and the\n"
-        "            names of files absolute, so that it can be moved; nothing is validated\n\n"
+        "      --joined  print the scene as it is written, but with its includes in place and\n"
+        "                the names of files absolute, so that it can be moved; nothing is "
+        "validated\n"
+        "  -h, --help    this text\n\n"
         "Examples:\n"
         "  mill check geometries/simoloyer-2l.cfg\n"
         "  mill check geometries/simoloyer-2l.cfg rotor.rpm=1700 > fast.cfg\n",

@@ -13,7 +13,6 @@
 
 static const struct em_mill_help help = {
     .name = "cost",
-    .takes = "jq",
     .text =
         "Usage: mill cost SCENE [KEY=VALUE ...] [OPTION ...]\n\n"
         "Measures on this scene what accuracy, effects and statistics cost. Runs it to its steady\n"

@@ -1,5 +1,6 @@
 /* The command lines of mill. */
 #include <getopt.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,12 +9,12 @@
 
 static const struct option known[] = {
     {"output", required_argument, NULL, 'o'},
-    {"resume", no_argument, NULL, 'r'},
-    {"force", no_argument, NULL, 'f'},
+    {"resume", no_argument, NULL, EM_MILL_RESUME},
+    {"force", no_argument, NULL, EM_MILL_FORCE},
     {"quiet", no_argument, NULL, 'q'},
     {"json", no_argument, NULL, 'j'},
-    {"until-precision", required_argument, NULL, 'u'},
-    {"joined", no_argument, NULL, 'J'},
+    {"until-precision", required_argument, NULL, EM_MILL_PRECISION},
+    {"joined", no_argument, NULL, EM_MILL_JOINED},
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
@@ -30,19 +31,19 @@ static void set(struct em_mill_options *options, int letter) {
   case 'o':
     options->out = optarg;
     break;
-  case 'u':
+  case EM_MILL_PRECISION:
     options->precision = optarg;
     break;
-  case 'r':
+  case EM_MILL_RESUME:
     options->resume = true;
     break;
-  case 'f':
+  case EM_MILL_FORCE:
     options->force = true;
     break;
   case 'q':
     options->quiet = true;
     break;
-  case 'J':
+  case EM_MILL_JOINED:
     options->joined = true;
     break;
   default:
@@ -72,7 +73,7 @@ int em_mill_unknown(const struct em_mill_help *help, const char *letters, int le
                     const char *name, const char *word) {
   char text[64];
   const int single = letter == '?' ? optopt : letter;
-  if (letter == '?' && single && strchr(letters, single))
+  if (letter == '?' && single && (single > UCHAR_MAX || strchr(letters, single)))
     return em_mill_usage(help, "no value belongs to", word);
   if (!name && !single) return em_mill_usage(help, "unknown option", word);
   if (name)
@@ -82,9 +83,15 @@ int em_mill_unknown(const struct em_mill_help *help, const char *letters, int le
   return em_mill_usage(help, "unknown option", text);
 }
 
+static bool takes(const struct em_mill_help *help, int option) {
+  for (const int *own = help->takes; *own; own++)
+    if (*own == option) return true;
+  return false;
+}
+
 int em_mill_options(struct em_mill_options *options, const struct em_mill_help *help, int argc,
                     char **argv) {
-  static const char letters[] = ":o:u:rfqjh";
+  static const char letters[] = ":o:qjh";
   memset(options, 0, sizeof *options);
   opterr = 0;
   optind = 1;
@@ -97,7 +104,7 @@ int em_mill_options(struct em_mill_options *options, const struct em_mill_help *
       return EM_MILL_DONE;
     }
     if (letter == ':') return em_mill_usage(help, "a value is missing after", argv[optind - 1]);
-    if (letter == '?' || !strchr(help->takes, letter))
+    if (letter == '?' || !takes(help, letter))
       return em_mill_unknown(help, letters, letter, index >= 0 ? known[index].name : NULL,
                              argv[optind - 1]);
     set(options, letter);

@@ -7,9 +7,12 @@
 #include "tool/mill.h"
 #include "tool/progress.h"
 
+static const int options_taken[] = {'o', 'q', 'j', EM_MILL_RESUME, EM_MILL_FORCE, EM_MILL_PRECISION,
+                                    0};
+
 static const struct em_mill_help help = {
     .name = "run",
-    .takes = "orfqju",
+    .takes = options_taken,
     .text =
         "Usage: mill run SCENE [KEY=VALUE ...] [-o RUN.h5] [OPTION ...]\n\n"
         "Runs a scene and writes a run file (HDF5). Prints a summary at the end.\n\n"

@@ -19,6 +19,10 @@ expect 2 "unknown option '--fast'" "unknown option" "$mill" run $gas --fast
 expect 2 "unknown option '-x'" "unknown letter among others" "$mill" run --json -xq $gas
 expect 2 "unknown option '-o'" "an option of another command" "$mill" check $gas -o x
 expect 2 "unknown option '--output'" "the same in full" "$mill" check $gas --output x
+for letter in r f u J; do
+  expect 2 "unknown option '-$letter'" "no letter -$letter" "$mill" run $gas -$letter
+done
+expect 2 "unknown option '--joined'" "an option of mill check" "$mill" run $gas --joined
 expect 2 "no value belongs to '--force=3'" "a value too many" "$mill" run $gas --force=3
 expect 2 "unknown option '-x'" "mill cost: unknown letter among others" "$mill" cost $gas -xq
 expect 2 "unknown option '-x'" "millpost: unknown letter among others" "$post" info -xq run.h5
