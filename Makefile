@@ -5,6 +5,8 @@ BUILD   ?= build
 PREFIX  ?= /usr/local
 DESTDIR ?=
 CC      := $(if $(filter default,$(origin CC)),gcc,$(CC))
+NM      ?= nm
+PKG_CONFIG ?= pkg-config
 OPT     ?= -O3
 JOBS    ?= $(shell nproc 2>/dev/null || echo 2)
 T       ?=
@@ -16,6 +18,10 @@ MAKEFLAGS += --no-builtin-rules
 .SUFFIXES:
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
+
+ifneq ($(words $(BUILD)),1)
+  $(error BUILD='$(BUILD)', expected the name of one folder without blanks)
+endif
 
 Q := $(if $(V),,@)
 say = $(if $(V),,@printf '  %-7s %s\n' $(1) $(2))
@@ -34,7 +40,8 @@ endif
 
 # ---------------------------------------------------------------- compiler and libraries
 PACKAGES := gsl hdf5 libconfig osmesa libpng cairo
-MISSING  := $(shell for p in $(PACKAGES); do pkg-config --exists $$p 2>/dev/null || echo $$p; done)
+MISSING  := $(shell command -v $(firstword $(PKG_CONFIG)) >/dev/null || { echo pkg-config; exit; }; \
+  for p in $(PACKAGES); do $(PKG_CONFIG) --exists $$p 2>/dev/null || echo $$p; done)
 
 # Flags that the user may add to, and those on which results depend: no fused multiply-add, no
 # fast-math, so that a run has the same bits with every compiler.
@@ -46,8 +53,8 @@ WARN  := -Wall -Wextra -Wpedantic -Wno-psabi -Wshadow -Wconversion -Wstrict-prot
 EXACT := -ffp-contract=off -fno-math-errno
 HOUSE := -std=gnu11 -D_GNU_SOURCE $(KIND) $(EXACT) -fPIC -fno-semantic-interposition $(WARN)
 SEEK  := -Iinclude -Isrc -I$(B)
-PKG_CFLAGS := $(if $(MISSING),,$(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))))
-PKG_LIBS   := $(if $(MISSING),,$(shell pkg-config --libs $(PACKAGES)))
+PKG_CFLAGS := $(if $(MISSING),,$(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags $(PACKAGES))))
+PKG_LIBS   := $(if $(MISSING),,$(shell $(PKG_CONFIG) --libs $(PACKAGES)))
 LIBS  := $(PKG_LIBS) -lm
 
 # What works on many numbers at a time is built beside the plain code and chosen at run time; never
@@ -95,14 +102,14 @@ all: packages $(STATIC) $(SHARED) $(PROGRAMS)
 
 help:
 	@echo 'all demo check check-long hard bench accuracy fuzz install uninstall clean lint format info'
-	@echo 'SAN=1 DEBUG=1 V=1 CC=clang BUILD=dir PREFIX=dir DESTDIR=dir'
+	@echo 'SAN=1 DEBUG=1 V=1 JOBS=n CC=clang BUILD=dir PREFIX=dir DESTDIR=dir'
 	@echo 'make check T=unit/test_error runs the tests whose path contains T'
 
 # Without the libraries nothing compiles: say so before the compiler does.
 packages:
 ifneq ($(MISSING),)
-	@echo "missing libraries: $(MISSING). Run scripts/setup, which installs them on Debian," \
-	  "or install their development packages." >&2; exit 1
+	@echo "missing: $(MISSING). Run scripts/setup, which installs all that is needed on Debian," \
+	  "or install pkg-config and the libraries' development packages." >&2; exit 1
 endif
 
 # ---------------------------------------------------------------- rules
@@ -113,6 +120,10 @@ endef
 
 $(B)/flags: force
 	@mkdir -p $(@D); printf '%s\n' '$(CC) $(ALL_CFLAGS) $(FOR_AVX512)' >$@.new
+	$(settle)
+
+$(B)/link: force
+	@mkdir -p $(@D); printf '%s\n' $(call shell_word,$(CC) $(KIND) $(LDFLAGS) $(LIBS)) >$@.new
 	$(settle)
 
 $(B)/version.h: force scripts/version
@@ -139,32 +150,39 @@ $(B)/src/draw/view.o: | $(B)/view_page.h
 
 $(STATIC): $(LIB_OBJ) $(B)/members
 	$(call say,AR,$@)
-	$(Q)rm -f $@ && ar rcs $@ $(LIB_OBJ)
+	$(Q)rm -f $@ && $(AR) rcs $@ $(LIB_OBJ)
 
-# The list of members: an object that is gone must leave the archive.
+# The list of members: an object that is gone must leave the library and the programs.
 $(B)/members: force
-	@mkdir -p $(@D); printf '%s\n' '$(LIB_OBJ)' >$@.new
+	@mkdir -p $(@D); printf '%s\n' '$(LIB_OBJ) $(TOOL_OBJ)' >$@.new
 	$(settle)
 
-$(SHARED): $(LIB_OBJ) $(B)/members
+# What the shared library shows: of all that is in it, what the public headers declare.
+HEADERS := $(wildcard include/eventmill/*.h)
+$(B)/exports: $(STATIC) $(HEADERS)
+	$(Q){ echo '{ global:'; { grep -oh 'em_[a-z0-9_]*' $(HEADERS) | sort -u; \
+	  $(NM) -g --defined-only $(STATIC) | awk 'NF == 3 { print $$3 }' | sort -u; } | \
+	  sort | uniq -d | sed 's/$$/;/'; echo 'local: *; };'; } >$@
+
+$(SHARED): $(LIB_OBJ) $(B)/members $(B)/exports $(B)/link
 	$(call say,LD,$@)
-	$(Q)$(CC) $(KIND) -shared -Wl,-soname,libeventmill.so.$(SOMAJOR) $(LDFLAGS) $(LIB_OBJ) \
-	  $(LIBS) -o $@
+	$(Q)$(CC) $(KIND) -shared -Wl,-soname,libeventmill.so.$(SOMAJOR) \
+	  -Wl,--version-script=$(B)/exports $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
 
 # A program loads only the libraries that it uses: mill starts without those that draw.
 $(B)/mill: $(MILL_OBJ)
 $(B)/millpost: $(POST_OBJ)
-$(PROGRAMS): $(BOTH_OBJ) $(STATIC)
+$(PROGRAMS): $(BOTH_OBJ) $(STATIC) $(B)/members $(B)/link
 	$(call say,LD,$@)
 	$(Q)$(CC) $(KIND) $(LDFLAGS) -Wl,--as-needed $(filter %.o,$^) $(STATIC) $(LIBS) -o $@
 
-$(TEST_BIN) $(BENCH_BIN): $(B)/%: $(B)/%.o $(SUPPORT_OBJ) $(STATIC)
+$(TEST_BIN) $(BENCH_BIN): $(B)/%: $(B)/%.o $(SUPPORT_OBJ) $(STATIC) $(B)/link
 	$(call say,LD,$@)
 	$(Q)$(CC) $(KIND) $(LDFLAGS) $< $(SUPPORT_OBJ) $(STATIC) $(TEST_LIBS) $(LIBS) -o $@
 
-$(REPLAY_BIN): $(B)/%_replay: $(B)/%.o $(B)/tests/fuzz/replay.o $(STATIC)
+$(REPLAY_BIN): $(B)/%_replay: $(B)/%.o $(B)/tests/fuzz/replay.o $(STATIC) $(B)/link
 	$(call say,LD,$@)
-	$(Q)$(CC) $(KIND) $(LDFLAGS) $^ $(LIBS) -o $@
+	$(Q)$(CC) $(KIND) $(LDFLAGS) $(filter %.o,$^) $(STATIC) $(LIBS) -o $@
 
 -include $(patsubst %.o,%.d,$(LIB_OBJ) $(TOOL_OBJ) $(SUPPORT_OBJ)) $(addsuffix .d,$(TEST_BIN) $(BENCH_BIN) $(FUZZ_BIN)) $(B)/tests/fuzz/replay.d
 
@@ -198,7 +216,7 @@ hard: setup
 
 .PHONY: run-tests
 run-tests: all $(call picked,$(TEST_BIN)) $(call chosen,$(REPLAY_BIN))
-	@BUILD=$(B) scripts/run-tests $(call picked,$(TEST_BIN) $(TEST_SH)) \
+	@BUILD=$(B) JOBS=$(JOBS) scripts/run-tests $(call picked,$(TEST_BIN) $(TEST_SH)) \
 	  $(call chosen,$(REPLAY_BIN))
 
 build-tests: all $(TEST_BIN) $(REPLAY_BIN) $(BENCH_BIN)
@@ -226,7 +244,7 @@ run-fuzz: $(FUZZ_BIN)
 	  $$f -max_total_time=$(FUZZ_TIME) -timeout=20 -print_final_stats=1 -artifact_prefix=$(B)/ \
 	    $(B)/corpus/$$name $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null) || exit 1; done
 
-$(FUZZ_BIN): $(B)/%: $(B)/%.o $(STATIC)
+$(FUZZ_BIN): $(B)/%: $(B)/%.o $(STATIC) $(B)/link
 	$(call say,LD,$@)
 	$(Q)$(CC) -fsanitize=fuzzer,address,undefined $(LDFLAGS) $< $(STATIC) $(LIBS) -o $@
 
@@ -251,7 +269,7 @@ install: all
 install-files:
 	install -d $(BIN) $(LIB)/pkgconfig $(INC)
 	install -m 755 $(PROGRAMS) $(BIN)
-	install -m 644 include/eventmill/*.h $(INC)
+	install -m 644 $(HEADERS) $(INC)
 	install -m 644 $(STATIC) $(LIB)
 	install -m 755 $(SHARED) $(LIB)/libeventmill.so.$(VERSION)
 	ln -sf libeventmill.so.$(VERSION) $(LIB)/libeventmill.so.$(SOMAJOR)
@@ -275,7 +293,7 @@ format:
 lint: setup
 	@scripts/setup lint
 	@$(submake) all
-	@BUILD=$(B) scripts/lint
+	@BUILD=$(B) JOBS=$(JOBS) scripts/lint
 
 info:
 	@echo 'version   $(VERSION)'

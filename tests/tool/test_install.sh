@@ -53,6 +53,27 @@ make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill uninstall
 left=$(find "$top" -type f -o -type l)
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 
+# The shared library shows what the headers declare, and nothing else.
+nm -D --defined-only "$BUILD/libeventmill.so" | awk '$3 ~ /^em_/ { print $3 }' | sort >"$root/shown"
+nm -g --defined-only "$BUILD/libeventmill.a" 2>/dev/null | awk 'NF == 3 { print $3 }' | sort -u >"$root/all"
+grep -oh 'em_[a-z0-9_]*' include/eventmill/*.h | sort -u | comm -12 "$root/all" - | cmp - "$root/shown"
+
+# Other flags of the linker, and a source that is gone, make the programs anew.
+make -pq "${settings[@]}" >"$root/rules" || true
+for made in mill millpost libeventmill.so; do
+  grep "^$BUILD/$made:" "$root/rules" | grep -F "$BUILD/link" | grep -qF "$BUILD/members"
+done
+alone=("BUILD=$root/alone" SAN= DEBUG=)
+make -s "${alone[@]}" "$root/alone/link" "$root/alone/members"
+cp "$root/alone/link" "$root/flags"
+make -s "${alone[@]}" LDFLAGS="-Wl,-rpath,'\$\$ORIGIN'" "$root/alone/link"
+cmp -s "$root/alone/link" "$root/flags" && { echo "LDFLAGS are not noticed"; exit 1; }
+grep -q "$root/alone/src/tool/mill.o" "$root/alone/members"
+
+# What make cannot do, it says.
+make -s "BUILD=$root/two words" help 2>&1 | grep -q 'without blanks'
+make -s "${settings[@]}" PKG_CONFIG=nowhere packages 2>&1 | grep -q '^missing: pkg-config\.'
+
 # A prefix with blanks and quotes: nothing beside it is touched.
 settings+=(DESTDIR= "PREFIX=$root/it's a mill")
 make -s "${settings[@]}" install-files
@@ -64,7 +85,6 @@ left=$(find "$root/it's a mill" -type f -o -type l; ls -d "$root/it" 2>/dev/null
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 
 # A test that is built on its own takes the library as it is, with flags of its own.
-alone=("BUILD=$root/alone" SAN= DEBUG=)
 make -s "${alone[@]}" "$root/alone/src/num/error.o"
 cp "$root/alone/flags" "$root/flags"
 make -s "${alone[@]}" "$root/alone/tests/unit/test_error.o"
