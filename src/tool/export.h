@@ -8,6 +8,18 @@
 #include "eventmill/error.h"
 #include "eventmill/run_file.h"
 
+#define EM_EXPORT_LIST(X) \
+  X(XDMF, "xdmf")         \
+  X(XDMF3, "xdmf3")       \
+  X(VTK, "vtk")           \
+  X(LAMMPS, "lammps")     \
+  X(CSV, "csv")           \
+  X(POV, "pov")           \
+  X(STL, "stl")
+#define EM_EXPORT_ENUM(code, name) EM_EXPORT_##code,
+enum em_export_format { EM_EXPORT_LIST(EM_EXPORT_ENUM) EM_EXPORT_FORMATS };
+#undef EM_EXPORT_ENUM
+
 /* What is asked for. */
 struct em_export {
   const struct em_run_file *run;

@@ -8,7 +8,12 @@
 
 /* ---------------------------------------------------------------- tables */
 
-static const char *const figure_key[] = {"median_speed", "median_vn", "rate_above_3", "power"};
+static const char *const figure_key[EM_PRECISION_COUNT] = {
+    [EM_PRECISION_SPEED] = "median_speed",
+    [EM_PRECISION_VN] = "median_vn",
+    [EM_PRECISION_RATE] = "rate_above_3",
+    [EM_PRECISION_POWER] = "power",
+};
 
 static void shift_columns(struct em_report *report) {
   for (int k = 0; k < EM_PRECISION_COUNT; k++)

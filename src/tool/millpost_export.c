@@ -45,23 +45,30 @@ static enum em_status write_xdmf3(const struct em_export *job, struct em_error *
   return em_xdmf_write(job->run, job->out, EM_XDMF_SELECTION, err);
 }
 
+#define NAME(code, name) name,
+static const char *const names[] = {EM_EXPORT_LIST(NAME)};
+
 static const struct format {
-  const char *name, *ending;
+  enum em_export_format which;
+  const char *ending;
   bool needs_frames;
   enum em_status (*write)(const struct em_export *job, struct em_error *err);
-} formats[] = {
-    {"xdmf", ".xdmf", true, write_xdmf},          {"xdmf3", ".xdmf", true, write_xdmf3},
-    {"vtk", ".pvd", true, em_export_vtk_write},   {"lammps", ".dump", true, em_export_text_lammps},
-    {"csv", ".csv", true, em_export_text_frames}, {"pov", ".pov", true, em_export_pov_write},
-    {"stl", ".stl", false, em_export_stl_write},
+} formats[EM_EXPORT_FORMATS] = {
+    [EM_EXPORT_XDMF] = {EM_EXPORT_XDMF, ".xdmf", true, write_xdmf},
+    [EM_EXPORT_XDMF3] = {EM_EXPORT_XDMF3, ".xdmf", true, write_xdmf3},
+    [EM_EXPORT_VTK] = {EM_EXPORT_VTK, ".pvd", true, em_export_vtk_write},
+    [EM_EXPORT_LAMMPS] = {EM_EXPORT_LAMMPS, ".dump", true, em_export_text_lammps},
+    [EM_EXPORT_CSV] = {EM_EXPORT_CSV, ".csv", true, em_export_text_frames},
+    [EM_EXPORT_POV] = {EM_EXPORT_POV, ".pov", true, em_export_pov_write},
+    [EM_EXPORT_STL] = {EM_EXPORT_STL, ".stl", false, em_export_stl_write},
 };
 
-static const struct format collisions = {"csv", ".csv", false, em_export_text_collisions};
+static const struct format collisions = {EM_EXPORT_CSV, ".csv", false, em_export_text_collisions};
 
 static const struct format *find_format(const struct em_millpost_options *o) {
-  for (size_t k = 0; o->to_format && k < sizeof formats / sizeof *formats; k++) {
-    if (strcmp(formats[k].name, o->to_format) != 0) continue;
-    return o->of && strcmp(o->to_format, "csv") == 0 ? &collisions : &formats[k];
+  for (int k = 0; o->to_format && k < EM_EXPORT_FORMATS; k++) {
+    if (strcmp(names[k], o->to_format) != 0) continue;
+    return o->of && k == EM_EXPORT_CSV ? &collisions : &formats[k];
   }
   return NULL;
 }
@@ -134,9 +141,9 @@ static int run_with(const struct em_run_file *run, const struct format *format,
   free(frame);
   if (status != EM_OK) return em_millpost_fail(&err);
   struct em_report *report = em_report_new("export");
-  em_report_fact_text(report, "format", "format", "%s", format->name);
+  em_report_fact_text(report, "format", "format", "%s", names[format->which]);
   em_report_fact_text(report, "file", "written", "%s", job.out);
-  const bool all = strncmp(format->name, "xdmf", 4) == 0;
+  const bool all = format->which == EM_EXPORT_XDMF || format->which == EM_EXPORT_XDMF3;
   if (format->needs_frames)
     em_report_fact_count(report, "frames", "frames",
                          all ? em_run_file_frame_count(run) : job.frames);
@@ -149,7 +156,7 @@ int em_millpost_export(int argc, char **argv) {
   if (code >= 0) return code;
   const struct format *format = find_format(&options);
   if (!format)
-    return em_millpost_usage("export", "--to must be xdmf, xdmf3, vtk, lammps, csv, pov or stl");
+    return em_millpost_usage("export", "--to must be one of:" EM_EXPORT_LIST(EM_MILLPOST_WORD));
   if (options.of && (format != &collisions || strcmp(options.of, "collisions") != 0))
     return em_millpost_usage("export", "--of takes only 'collisions', with --to csv");
   if (options.of && (!isnan(options.at) || options.every))

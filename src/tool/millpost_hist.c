@@ -372,15 +372,15 @@ static int run_with(struct input *in, const struct em_millpost_options *o, enum 
   return em_millpost_print(report, o, code);
 }
 
+#define WORD(code, name, symbol, unit) " " name
+
 int em_millpost_hist(int argc, char **argv) {
   struct em_millpost_options options;
   const int code = em_millpost_options(&options, &help, argc, argv);
   if (code >= 0) return code;
   const int of = options.of ? em_gather_find(options.of) : EM_GATHER_VN;
   if (of < 0)
-    return em_millpost_usage("hist",
-                             "unknown quantity '%s', expected vn vt speed relative vx vy vz "
-                             "energy lost or impact",
+    return em_millpost_usage("hist", "unknown quantity '%s', expected one of:" EM_GATHER_LIST(WORD),
                              options.of);
   if (options.classes && em_gather_is_of_balls((enum em_gather_of)of))
     return em_millpost_usage("hist",

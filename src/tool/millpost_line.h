@@ -33,6 +33,9 @@ struct em_millpost_option {
 #define EM_MILLPOST_OPTION(type, key, argument, help, target, field) \
   { key, argument, help, EM_MILLPOST_##target, offsetof(type, field), NULL, 0, NULL }
 
+/* The names of a list of kinds, as a part of a text: "one of:" EM_CAMERA_LIST(EM_MILLPOST_WORD). */
+#define EM_MILLPOST_WORD(code, name) " " name
+
 struct em_millpost_help {
   const char *name, *arguments, *summary, *details, *examples;
   const char *const *options; /* keys of the options it takes, "" ends the list; NULL: all */

@@ -32,16 +32,17 @@ static int read_range(void *place, const char *command, const char *option, cons
   return em_millpost_usage(command, "--%s: '%s' is not LOW:HIGH with LOW < HIGH", option, text);
 }
 
+#define HIDDEN_WORD(name) " " #name
+static const char hidden_words[] = EM_MILLPOST_HIDDEN_LIST(HIDDEN_WORD);
+
 static int read_hide(void *place, const char *command, const char *option, const char *text) {
   struct em_millpost_hidden *hide = place;
+#define THING(name) {#name, &hide->name},
   const struct {
     const char *name;
     bool *flag;
-  } things[] = {{"rotor", &hide->rotor},
-                {"drum", &hide->drum},
-                {"balls", &hide->balls},
-                {"legend", &hide->legend},
-                {"histogram", &hide->histogram}};
+  } things[] = {EM_MILLPOST_HIDDEN_LIST(THING)};
+#undef THING
   for (const char *at = text;; at++) {
     const size_t length = strcspn(at, ",");
     bool known = false;
@@ -49,10 +50,8 @@ static int read_hide(void *place, const char *command, const char *option, const
       if (strlen(things[k].name) == length && strncmp(at, things[k].name, length) == 0)
         known = *things[k].flag = true;
     if (!known)
-      return em_millpost_usage(command,
-                               "--%s: unknown thing '%.*s', expected rotor, drum, balls, legend "
-                               "or histogram",
-                               option, (int)length, at);
+      return em_millpost_usage(command, "--%s: unknown thing '%.*s', expected any of:%s", option,
+                               (int)length, at, hidden_words);
     at += length;
     if (*at == '\0') return -1;
   }
@@ -79,21 +78,22 @@ static int read_name(int *place, int found, const char *expected, const char *co
                      const char *option, const char *text) {
   *place = found;
   if (found >= 0) return -1;
-  return em_millpost_usage(command, "--%s: unknown '%s', expected %s", option, text, expected);
+  return em_millpost_usage(command, "--%s: unknown '%s', expected one of:%s", option, text,
+                           expected);
 }
 
 static int read_view(void *place, const char *command, const char *option, const char *text) {
-  return read_name(place, em_camera_find(text), "axial, side or three-quarter", command, option,
+  return read_name(place, em_camera_find(text), EM_CAMERA_LIST(EM_MILLPOST_WORD), command, option,
                    text);
 }
 
 static int read_by(void *place, const char *command, const char *option, const char *text) {
-  return read_name(place, em_picture_find(text), "speed, spin, class, species or plain", command,
-                   option, text);
+  return read_name(place, em_picture_find(text), EM_PICTURE_LIST(EM_MILLPOST_WORD), command, option,
+                   text);
 }
 
 static int read_map(void *place, const char *command, const char *option, const char *text) {
-  return read_name(place, em_colour_find(text), "lagoon, ember, grey or balance", command, option,
+  return read_name(place, em_colour_find(text), EM_COLOUR_LIST(EM_MILLPOST_WORD), command, option,
                    text);
 }
 
@@ -110,8 +110,8 @@ static const struct em_millpost_option options[] = {
            "                     frame once, or 1 ms per frame with a collision table",
            POSITIVE, slow),
     OPTION("orbit", "DEG", "the camera goes round, DEG degrees per second of film", NUMBER, orbit),
-    {"camera", "VIEW", "axial, side or three-quarter; default: three-quarter", EM_MILLPOST_OTHER,
-     AT(view), NULL, 0, read_view},
+    {"camera", "VIEW", "one of:" EM_CAMERA_LIST(EM_MILLPOST_WORD) "; default: three-quarter",
+     EM_MILLPOST_OTHER, AT(view), NULL, 0, read_view},
     OPTION("turn", "DEG", "where the camera stands: 0 sees along the axis, 90 from the side",
            NUMBER, turn),
     OPTION("tilt", "DEG", "how high the camera stands, -90 to 90", NUMBER, tilt),
@@ -119,19 +119,21 @@ static const struct em_millpost_option options[] = {
     OPTION("parallel", NULL, "without perspective", FLAG, parallel),
     {"size", "WxH", "pixels; default: 1280x720", EM_MILLPOST_OTHER, AT(width), NULL, 0, read_size},
     {"colour", "WHAT",
-     "what colours tell: speed, spin, class (of the last contact; needs a\n"
-     "                     collision table), species or plain; default: speed",
+     "what colours tell:" EM_PICTURE_LIST(
+         EM_MILLPOST_WORD) ";\n"
+                           "                     default: speed; class is of the last contact, by "
+                           "the collision table",
      EM_MILLPOST_OTHER, AT(by), NULL, 0, read_by},
     {"color", "WHAT", NULL, EM_MILLPOST_OTHER, AT(by), NULL, 0, read_by},
-    {"map", "NAME", "lagoon, ember, grey or balance; default: lagoon", EM_MILLPOST_OTHER, AT(map),
-     NULL, 0, read_map},
+    {"map", "NAME", "one of:" EM_COLOUR_LIST(EM_MILLPOST_WORD) "; default: lagoon",
+     EM_MILLPOST_OTHER, AT(map), NULL, 0, read_map},
     {"scale", "LOW:HIGH", "ends of the colour scale; default: 0 to 110 % of the tip speed",
      EM_MILLPOST_OTHER, AT(low), NULL, 0, read_range},
     {"speeds", "LOW:HIGH", "only balls as fast as this, in m/s", EM_MILLPOST_OTHER, AT(show_low),
      NULL, 0, read_range},
     OPTION("balls", "N", "no more than N balls", WHOLE, balls),
-    {"hide", "WHAT,...", "rotor, drum, balls, legend, histogram", EM_MILLPOST_OTHER, AT(hide), NULL,
-     0, read_hide},
+    {"hide", "WHAT,...", "any of:" EM_MILLPOST_HIDDEN_LIST(HIDDEN_WORD), EM_MILLPOST_OTHER,
+     AT(hide), NULL, 0, read_hide},
     {"trail", "BALL,...", "these balls (numbers from 0) draw a trail", EM_MILLPOST_OTHER, AT(show),
      NULL, 0, read_trail},
     OPTION("trail-time", "T", "how long a trail is, in seconds; default: 0.05", POSITIVE,

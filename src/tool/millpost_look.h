@@ -7,9 +7,13 @@
 #include "eventmill/film.h"
 #include "eventmill/show.h"
 
+/* What can be left out. */
+#define EM_MILLPOST_HIDDEN_LIST(X) X(rotor) X(drum) X(balls) X(legend) X(histogram)
+#define EM_MILLPOST_HIDDEN(name)   bool name;
 struct em_millpost_hidden {
-  bool rotor, drum, balls, legend, histogram;
+  EM_MILLPOST_HIDDEN_LIST(EM_MILLPOST_HIDDEN)
 };
+#undef EM_MILLPOST_HIDDEN
 
 /* What a command line says; NAN or 0 where it says nothing. */
 struct em_millpost_look {

@@ -378,6 +378,8 @@ static int check(const struct em_millpost_options *o, enum em_field_of of) {
   return -1;
 }
 
+#define WORD(code, name, symbol, unit) " " name
+
 int em_millpost_map(int argc, char **argv) {
   struct em_millpost_options o;
   int code = em_millpost_options(&o, &help, argc, argv);
@@ -386,9 +388,7 @@ int em_millpost_map(int argc, char **argv) {
     return em_millpost_usage("map", "--cells must be sectors or rings");
   const int of = o.of ? em_field_find(o.of) : o.classes ? EM_FIELD_HITS : EM_FIELD_COUNT;
   if (of < 0)
-    return em_millpost_usage("map",
-                             "unknown quantity '%s', expected count hits speed vn energy or "
-                             "lost",
+    return em_millpost_usage("map", "unknown quantity '%s', expected one of:" EM_FIELD_LIST(WORD),
                              o.of);
   code = check(&o, (enum em_field_of)of);
   if (code >= 0) return code;

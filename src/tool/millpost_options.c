@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "eventmill/contact.h"
+#include "tool/export.h"
 #include "tool/millpost.h"
 
 #define AT(field) offsetof(struct em_millpost_options, field)
@@ -16,7 +17,7 @@ static int read_classes(void *place, const char *command, const char *option, co
 
 static const struct em_millpost_option options[] = {
     OPTION("of", "WHAT", "which quantity", TEXT, of),
-    {"class", "CLASS,...", "only these: ball-ball ball-drum ball-end ball-blade", EM_MILLPOST_OTHER,
+    {"class", "CLASS,...", "only these:" EM_CLASS_LIST(EM_MILLPOST_WORD), EM_MILLPOST_OTHER,
      AT(classes), NULL, 0, read_classes},
     OPTION("from", "T", "begin at T seconds; default: when the run is steady", NUMBER, from),
     OPTION("to", "T", "end at T seconds; default: the end of the run", NUMBER, to),
@@ -49,8 +50,8 @@ static const struct em_millpost_option options[] = {
     OPTION("target", "X", "the value to reach; default: that of the first run", NUMBER, target),
     {"what", "collisions", "with --to csv: a line per collision instead of per ball and frame",
      EM_MILLPOST_TEXT, AT(of), "of", 0, NULL},
-    {"to-format", "FORMAT", "xdmf xdmf3 vtk lammps csv pov or stl", EM_MILLPOST_TEXT, AT(to_format),
-     "to", 0, NULL},
+    {"to-format", "FORMAT", "one of:" EM_EXPORT_LIST(EM_MILLPOST_WORD), EM_MILLPOST_TEXT,
+     AT(to_format), "to", 0, NULL},
     {"first", "T", "begin at T seconds; default: the begin of the run", EM_MILLPOST_NUMBER,
      AT(from), "from", 0, NULL},
     OPTION("until", "T", "end at T seconds; default: the end of the run", NUMBER, to),
@@ -91,10 +92,8 @@ static int read_classes(void *place, const char *command, const char *option, co
   for (char *name; (name = strsep(&rest, ",")) != NULL;) {
     const int k = em_contact_class_find(name);
     if (k < 0)
-      return em_millpost_usage(command,
-                               "unknown class '%s', expected ball-ball, ball-drum, "
-                               "ball-end or ball-blade",
-                               name);
+      return em_millpost_usage(
+          command, "unknown class '%s', expected one of:" EM_CLASS_LIST(EM_MILLPOST_WORD), name);
     *classes |= 1U << k;
   }
   return -1;

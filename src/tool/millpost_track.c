@@ -17,9 +17,9 @@ struct wish {
 static int read_plate(void *place, const char *command, const char *option, const char *text) {
   const int side = em_track_plate_find(text);
   if (side < 0)
-    return em_millpost_usage(command,
-                             "--%s: unknown side '%s', expected auto, left, right, top or bottom",
-                             option, text);
+    return em_millpost_usage(
+        command, "--%s: unknown side '%s', expected one of:" EM_TRACK_PLATE_LIST(EM_MILLPOST_WORD),
+        option, text);
   *(enum em_track_plate *)place = (enum em_track_plate)side;
   return -1;
 }
@@ -32,7 +32,8 @@ static const struct em_millpost_option options[] = {
     OPTION("fps", "F", "frames per second of the camera", POSITIVE, track.fps),
     OPTION("diameter", "D", "of the ball, in m: gives the scale", POSITIVE, track.diameter),
     OPTION("scale", "S", "m per pixel, when it is known better", POSITIVE, track.scale),
-    {"plate", "SIDE", "left, right, top, bottom; default: auto, where the ball turns back",
+    {"plate", "SIDE",
+     "one of:" EM_TRACK_PLATE_LIST(EM_MILLPOST_WORD) "; default: auto, where the ball turns back",
      EM_MILLPOST_OTHER, AT(track.plate), NULL, 0, read_plate},
     OPTION("roundness", "X", "how far U²/(4πA) of a contour may be from 1; default: 0.15", POSITIVE,
            track.roundness),

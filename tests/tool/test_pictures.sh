@@ -23,7 +23,7 @@ for command in frame film; do
   expect 2 "unknown option '--fly'" "$command --fly" "$post" $command "$run" --fly
   expect 2 "unexpected argument" "$command with two runs" "$post" $command "$run" "$run"
   expect 2 "is not WIDTHxHEIGHT" "$command --size" "$post" $command "$run" --size 5
-  expect 2 "expected axial" "$command --camera" "$post" $command "$run" --camera upside
+  expect 2 "expected one of: axial side three-quarter" "$command --camera" "$post" $command "$run" --camera upside
   expect 2 "is not LOW:HIGH" "$command --scale" "$post" $command "$run" --scale 3:1
   expect 2 "1 to 4" "$command --smooth" "$post" $command "$run" --smooth 9 -o "$work/d$ending"
   expect 2 "is not a number" "$command --turn" "$post" $command "$run" --turn nan
