@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "eventmill/sample.h"
+
 /* ---------------------------------------------------------------- which scene has which */
 
 static size_t always(const struct em_scene *scene) {
@@ -153,41 +155,6 @@ const size_t em_observe_count = sizeof em_observe_list / sizeof em_observe_list[
 
 /* ---------------------------------------------------------------- their ingredients */
 
-/* Moves the k-th smallest to place k, smaller ones before it, larger ones behind (Hoare). */
-static void select_kth(double *x, size_t count, size_t k) {
-  size_t low = 0, high = count - 1;
-  while (low < high) {
-    const double pivot = x[k];
-    size_t i = low, j = high;
-    while (i <= j) {
-      while (x[i] < pivot)
-        i++;
-      while (pivot < x[j])
-        j--;
-      if (i <= j) {
-        const double swap = x[i];
-        x[i++] = x[j];
-        x[j] = swap;
-        if (j == 0) break;
-        j--;
-      }
-    }
-    if (j < k) low = i;
-    if (k < i) high = j;
-  }
-}
-
-double em_observe_median(double *numbers, size_t count) {
-  if (count == 0) return NAN;
-  const size_t middle = count / 2;
-  select_kth(numbers, count, middle);
-  if (count % 2) return numbers[middle];
-  double below = numbers[0];
-  for (size_t i = 1; i < middle; i++)
-    below = numbers[i] > below ? numbers[i] : below;
-  return 0.5 * (below + numbers[middle]);
-}
-
 /* The chamber turns about the axis y through the origin. */
 static double resting(const struct em_scene *scene, const struct em_balls *balls) {
   const double fall = em_vec_norm(scene->gravity), omega = scene->chamber.rpm * M_PI / 30.0;
@@ -209,7 +176,7 @@ void em_observe_balls(struct em_observe_state *state, const struct em_scene *sce
     sum += speeds[i];
   }
   state->mean_speed = balls->count ? sum / (double)balls->count : NAN;
-  state->median_speed = em_observe_median(speeds, balls->count);
+  state->median_speed = em_sample_median(speeds, balls->count);
   state->resting = resting(scene, balls);
   state->energy = em_world_energy(state->world, balls);
 }

@@ -41,7 +41,4 @@ double em_observe_work(const struct em_world *world);
 /* The energy (J) dissipated in all contacts since the start. */
 double em_observe_lost(const struct em_world *world);
 
-/* The median of count numbers, whose order is lost; NAN for none. */
-double em_observe_median(double *numbers, size_t count);
-
 #endif

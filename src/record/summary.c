@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "eventmill/histogram.h"
+
 static const double STEADY_FROM = 0.2;  /* s */
 static const double HARD_FROM = 3.0;    /* m/s; an edge of a bin */
 static const double RESTING = 0.1;      /* share of the balls from which it is said */
@@ -63,20 +65,15 @@ void em_summary_block(struct em_summary_part *part, double start, double end,
 
 /* ---------------------------------------------------------------- v_n */
 
-/* Counts are taken to be spread evenly over their bin. */
 static double median_of(const uint64_t *vn, uint64_t total) {
-  if (total == 0) return NAN;
-  const double half = 0.5 * (double)total;
-  double below = 0.0;
-  for (size_t k = 0; k < EM_TALLY_BINS; k++) {
-    const double inside = (double)vn[k];
-    if (inside > 0.0 && below + inside >= half) {
-      const double low = em_world_bin_edge(k), high = em_world_bin_edge(k + 1);
-      return low + (half - below) / inside * (high - low);
-    }
-    below += inside;
-  }
-  return NAN;
+  double edge[EM_TALLY_BINS + 1], count[EM_TALLY_BINS];
+  for (size_t k = 0; k <= EM_TALLY_BINS; k++)
+    edge[k] = em_world_bin_edge(k);
+  for (size_t k = 0; k < EM_TALLY_BINS; k++)
+    count[k] = (double)vn[k];
+  const struct em_histogram h = {
+      .bins = EM_TALLY_BINS, .edge = edge, .count = count, .total = (double)total};
+  return em_histogram_quantile(&h, 0.5);
 }
 
 static void fill_vn(struct em_summary *summary, const uint64_t *vn, double time) {
