@@ -81,10 +81,10 @@ END
 # plot_label AXIS TEXT
 plot_label() { echo "set $1label $(quoted "$2") noenhanced textcolor rgb '#2b2f36'"; }
 
-# The colours of maps.
+# The colours of maps: lagoon, at some of its 256 steps.
 plot_palette() {
-  echo 'set palette defined (0 "#4c0f78", 1 "#4844a8", 2 "#1772b8", 3 "#0095aa", 4 "#00b29f",' \
-    '5 "#41d084", 6 "#a5e258", 7 "#f8ea21")'
+  echo 'set palette defined (0 "#4c0f78", 42 "#4844a8", 81 "#1772b8", 117 "#0095aa", 147 "#00b29f",' \
+    '183 "#41d084", 219 "#a5e258", 255 "#f8ea21")'
 }
 
 # plot_end SCRIPT OUT: draws it; the picture appears complete or not at all.

@@ -119,9 +119,10 @@ enum em_status em_plot_map(const struct em_plot_map *map, const char *path, stru
   write_ranges(g.out, map);
   if (map->log_value) fputs("set logscale cb\nset format cb '10^{%T}'\n", g.out);
   fprintf(g.out, "set cbrange [%.9g:%.9g]\n", low, high);
+  fprintf(g.out, "set tmargin at screen %.3f\n", EM_GNUPLOT_TOP);
   if (map->polar || map->equal) fputs("set size ratio -1\n", g.out);
   fputs("unset grid\nunset key\nset view map\nset border 3\n"
-        "set tmargin at screen 0.87\nset bmargin at screen 0.10\n"
+        "set bmargin at screen 0.10\n"
         "set lmargin at screen 0.11\nset rmargin at screen 0.82\n"
         "set linetype 101 lw 1 lc rgb '#5b606b'\n"
         "set colorbox vertical user origin screen 0.86,0.16 size screen 0.022,0.64 "

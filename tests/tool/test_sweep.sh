@@ -144,6 +144,21 @@ if command -v gnuplot >/dev/null; then
   check "curves" "$top/scripts/plot-lines" whole power --by balls.count -o lines.svg
   check "a map of scattered points" "$top/scripts/plot-map" cube collision_rate -o cube.gp
   check "are there" test -s map.png -a -s surface.png -a -s lines.svg -a -s cube.gp
+
+  # What scripts draw looks like what millpost draws.
+  read -ra eight <<<"$(echo whole/runs/*.h5 | cut -d' ' -f1-8)"
+  "$mill" run "$scene" balls.count=60 duration=0.02 record.frames=100 -o still.h5 -q >x 2>&1
+  "$post" hist "${eight[@]}" -o hist.gp >x && "$post" map still.h5 --cells rings -o field.gp >x &&
+    "$top/scripts/plot-lines" whole power --by balls.count -o lines.gp
+  style() { # all but the words and the size
+    sed -nE "s/'.*' (at|noenhanced)/\1/; s/ size [0-9]+,[0-9]+//
+      /^set (terminal|encoding|border 3 lw|tics|grid|key top|tmargin|[xy]label|label 100)/p" "$1" | sort
+  }
+  is "the same style" "$(style hist.gp)" "$(style lines.gp)"
+  is "the same colours" "$(grep -o "lines lw 1.5 lc rgb '#[0-9a-f]*" hist.gp | grep -o '#.*' | tr '\n' ' ')" \
+    "$(sed -n 's/^colours="\(.*\)"/\1 /p' "$top/scripts/lib.sh")"
+  pairs() { grep '^set palette defined' "$1" | tr -d "\"'(),\n" | grep -oE '[0-9]+ #[0-9a-f]{6}'; }
+  is "the same palette" "$(pairs cube.gp)" "$(pairs field.gp | grep -xF "$(pairs cube.gp)")"
 fi
 expect 2 "no column" "a figure that is not there" "$top/scripts/plot-lines" whole beauty -o x.png
 
