@@ -14,12 +14,12 @@
 #include "eventmill/run_file.h"
 
 struct em_view_options {
-  double from, to; /* s; NAN: the first, the last frame */
-  double step;     /* s between frames; NAN: the stored frames or, with a collision table, from
-                      which positions at all times are exact, 1 ms */
-  size_t balls;    /* no more than so many, evenly chosen; 0: all */
-  size_t largest;  /* bytes that the frames may take in the file; 0: 48 MiB */
-  double scale;    /* m/s, end of the colour scale; NAN: em_picture_scale */
+  double from, to;  /* s; NAN: the first, the last frame */
+  double step;      /* s between frames; NAN: the stored frames or, with a collision table, from
+                       which positions at all times are exact, 1 ms */
+  size_t balls;     /* no more than so many, evenly chosen; 0: all */
+  size_t largest;   /* bytes that the frames may take in the file; 0: 48 MiB */
+  double low, high; /* m/s, ends of the colour scale; NAN: 0, em_picture_scale */
   bool dark;
 };
 

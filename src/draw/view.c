@@ -19,7 +19,7 @@ struct page {
   const struct em_scene *scene;
   const struct em_balls *balls;
   const struct em_view_frames *frames;
-  double scale; /* m/s */
+  double low, high; /* m/s, of the colours */
   bool dark;
 };
 
@@ -187,7 +187,7 @@ static void put_head(FILE *out, const struct page *page) {
   put_blades(out, page->scene);
   put_shafts(out, page->scene);
   put_numbers(out, "radii", radius, kinds <= UINT8_MAX + 1 ? kinds : UINT8_MAX + 1);
-  fprintf(out, "\"scaleHigh\":%.9g,\"spinHigh\":%.9g,\n", page->scale,
+  fprintf(out, "\"scaleLow\":%.9g,\"scaleHigh\":%.9g,\"spinHigh\":%.9g,\n", page->low, page->high,
           em_picture_spin_scale(page->balls));
   put_names(out, page->scene);
   put_numbers(out, "times", f->time, f->count);
@@ -264,7 +264,8 @@ enum em_status em_view_write(const struct em_run_file *run, const struct em_view
         .scene = scene,
         .balls = balls,
         .frames = &frames,
-        .scale = isnan(options->scale) ? em_picture_scale(scene, balls) : options->scale,
+        .low = isnan(options->low) ? 0.0 : options->low,
+        .high = isnan(options->high) ? em_picture_scale(scene, balls) : options->high,
         .dark = options->dark,
     };
     status = write_file(&page, path, &bytes, err);

@@ -46,6 +46,15 @@ bool em_millpost_line_number(const char *text, char end, double *value, const ch
   return stop != text && *stop == end && isfinite(*value);
 }
 
+int em_millpost_line_range(void *place, const char *command, const char *option, const char *text) {
+  double *low = place;
+  const char *rest;
+  if (em_millpost_line_number(text, ':', &low[0], &rest) &&
+      em_millpost_line_number(rest + 1, '\0', &low[1], NULL) && low[0] < low[1])
+    return -1;
+  return em_millpost_usage(command, "--%s: '%s' is not LOW:HIGH with LOW < HIGH", option, text);
+}
+
 static int store_number(void *place, const struct em_millpost_option *option, const char *command,
                         const char *text) {
   const char *name = name_of(option);
@@ -97,12 +106,16 @@ static void list_options(struct option *list, const struct em_millpost_line *lin
   *list = (struct option){"help", no_argument, NULL, 'h'};
 }
 
-/* The option that getopt found; -o is short for the first one called "output". */
+static const char *long_name(int letter) {
+  return letter == 'o' ? "output" : letter == 'j' ? "json" : "";
+}
+
+/* The option that getopt found; a letter is short for the first one of its long name. */
 static const struct em_millpost_option *found(const struct em_millpost_line *line,
                                               const struct em_millpost_help *help, int letter) {
   for (size_t k = 0; k < line->count; k++)
-    if (letter == FIRST + (int)k || (letter == 'o' && takes(help, &line->option[k]) &&
-                                     strcmp(name_of(&line->option[k]), "output") == 0))
+    if (letter == FIRST + (int)k || (takes(help, &line->option[k]) &&
+                                     strcmp(name_of(&line->option[k]), long_name(letter)) == 0))
       return &line->option[k];
   return NULL;
 }
@@ -112,12 +125,12 @@ static int read_options(void *wish, const struct em_millpost_line *line,
                         char **argv) {
   opterr = 0;
   optind = 0; /* glibc: start afresh, even after another command line */
-  for (int c; (c = getopt_long(argc, argv, ":hqo:", list, NULL)) != -1;) {
+  for (int c; (c = getopt_long(argc, argv, ":hqo:j", list, NULL)) != -1;) {
     /* A single letter may stand among others, or have a value after it. */
     const int letter = c == '?' ? optopt : c;
     const char single[] = {'-', (char)letter, '\0'};
-    const bool is_single =
-        c == 'o' || (c == '?' && letter && letter < FIRST && letter != 'h' && letter != 'q');
+    const bool is_single = c == 'o' || c == 'j' ||
+                           (c == '?' && letter && letter < FIRST && letter != 'h' && letter != 'q');
     const char *asked = is_single ? single : optind > 0 ? argv[optind - 1] : "";
     if (c == 'h') {
       print_help(line, help);

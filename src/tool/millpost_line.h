@@ -1,5 +1,6 @@
 /* Command lines of millpost: a table of options, of which each command takes some or all; help and
- * messages are made from it. --help, -h, --quiet and -q are always there. */
+ * messages are made from it. --help, -h, --quiet and -q are always there; -o and -j are short for
+ * --output and --json. */
 #ifndef EVENTMILL_MILLPOST_LINE_H
 #define EVENTMILL_MILLPOST_LINE_H
 
@@ -56,5 +57,8 @@ int em_millpost_line_read(void *wish, const struct em_millpost_line *line,
 
 /* Reads a number that ends at `end`; rest (or NULL): where. */
 bool em_millpost_line_number(const char *text, char end, double *value, const char **rest);
+
+/* Reads LOW:HIGH into two doubles, as `read` of an option. */
+int em_millpost_line_range(void *place, const char *command, const char *option, const char *text);
 
 #endif

@@ -23,15 +23,6 @@ static int read_size(void *place, const char *command, const char *option, const
                            option, text);
 }
 
-static int read_range(void *place, const char *command, const char *option, const char *text) {
-  double *low = place;
-  const char *rest;
-  if (em_millpost_line_number(text, ':', &low[0], &rest) &&
-      em_millpost_line_number(rest + 1, '\0', &low[1], NULL) && low[0] < low[1])
-    return -1;
-  return em_millpost_usage(command, "--%s: '%s' is not LOW:HIGH with LOW < HIGH", option, text);
-}
-
 #define HIDDEN_WORD(name) " " #name
 static const char hidden_words[] = EM_MILLPOST_HIDDEN_LIST(HIDDEN_WORD);
 
@@ -128,9 +119,9 @@ static const struct em_millpost_option options[] = {
     {"map", "NAME", "one of:" EM_COLOUR_LIST(EM_MILLPOST_WORD) "; default: lagoon",
      EM_MILLPOST_OTHER, AT(map), NULL, 0, read_map},
     {"scale", "LOW:HIGH", "ends of the colour scale; default: 0 to 110 % of the tip speed",
-     EM_MILLPOST_OTHER, AT(low), NULL, 0, read_range},
+     EM_MILLPOST_OTHER, AT(low), NULL, 0, em_millpost_line_range},
     {"speeds", "LOW:HIGH", "only balls as fast as this, in m/s", EM_MILLPOST_OTHER, AT(show_low),
-     NULL, 0, read_range},
+     NULL, 0, em_millpost_line_range},
     OPTION("balls", "N", "no more than N balls", WHOLE, balls),
     {"hide", "WHAT,...", "any of:" EM_MILLPOST_HIDDEN_LIST(HIDDEN_WORD), EM_MILLPOST_OTHER,
      AT(hide), NULL, 0, read_hide},

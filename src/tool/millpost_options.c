@@ -67,8 +67,8 @@ static const struct em_millpost_option options[] = {
      EM_MILLPOST_TEXT, AT(out), "output", 0, NULL},
     {"csv", NULL, "print comma-separated values", EM_MILLPOST_CHOICE, AT(format), NULL,
      EM_REPORT_CSV, NULL},
-    {"json", NULL, "print one JSON object", EM_MILLPOST_CHOICE, AT(format), NULL, EM_REPORT_JSON,
-     NULL},
+    {"json", NULL, "-j: print one JSON object", EM_MILLPOST_CHOICE, AT(format), NULL,
+     EM_REPORT_JSON, NULL},
 };
 
 int em_millpost_usage(const char *command, const char *format, ...) {

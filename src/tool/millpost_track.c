@@ -43,7 +43,7 @@ static const struct em_millpost_option options[] = {
            out),
     {"csv", NULL, "print comma-separated values", EM_MILLPOST_CHOICE, AT(print.format), NULL,
      EM_REPORT_CSV, NULL},
-    {"json", NULL, "print one JSON object", EM_MILLPOST_CHOICE, AT(print.format), NULL,
+    {"json", NULL, "-j: print one JSON object", EM_MILLPOST_CHOICE, AT(print.format), NULL,
      EM_REPORT_JSON, NULL},
 };
 

@@ -17,13 +17,24 @@ struct wish {
 #define OPTION(key, argument, help, target, field) \
   EM_MILLPOST_OPTION(struct wish, key, argument, help, target, field)
 
+/* V alone is 0:V. */
+static int read_scale(void *place, const char *command, const char *option, const char *text) {
+  double *low = place;
+  if (!em_millpost_line_number(text, '\0', &low[1], NULL) || !(low[1] > 0.0))
+    return em_millpost_line_range(place, command, option, text);
+  low[0] = 0.0;
+  return -1;
+}
+
 static const struct em_millpost_option options[] = {
     OPTION("from", "T", "begin at T seconds; default: the first frame", NUMBER, view.from),
     OPTION("to", "T", "end at T seconds; default: the last frame", NUMBER, view.to),
     OPTION("step", "T", "a frame every T seconds", POSITIVE, view.step),
-    OPTION("max-balls", "N", "no more than N balls, evenly chosen", WHOLE, balls),
+    OPTION("balls", "N", "no more than N balls, evenly chosen", WHOLE, balls),
+    OPTION("max-balls", "N", NULL, WHOLE, balls),
     OPTION("max-size", "MB", "room for the frames in the file; default: 48", POSITIVE, megabytes),
-    OPTION("scale", "V", "speed at the upper end of the colours, in m/s", POSITIVE, view.scale),
+    {"scale", "LOW:HIGH", "ends of the colour scale; default: 0 to 110 % of the tip speed",
+     EM_MILLPOST_OTHER, offsetof(struct wish, view.low), NULL, 0, read_scale},
     OPTION("dark", NULL, "on a dark ground", FLAG, view.dark),
     OPTION("output", "FILE", "-o FILE: what to write; default: the run's name, in this folder",
            TEXT, out),
@@ -43,7 +54,7 @@ static const struct em_millpost_help help = {
         "  mill.html#t=0.3&paused&turn=20&tilt=10&zoom=2&hide=drum&speeds=2:6&trail=17,256\n"
         "           &rate=50&colour=spin&dark",
     .examples = "  millpost view run.h5\n"
-                "  millpost view run.h5 --from 0.3 --to 0.35 --max-balls 1000 -o start.html",
+                "  millpost view run.h5 --from 0.3 --to 0.35 --balls 1000 -o start.html",
     .least = 1,
     .most = 1,
 };
@@ -51,7 +62,7 @@ static const struct em_millpost_help help = {
 int em_millpost_view(int argc, char **argv) {
   static const struct em_millpost_line line = {options, sizeof options / sizeof *options,
                                                offsetof(struct wish, quiet)};
-  struct wish wish = {.view = {.from = NAN, .to = NAN, .step = NAN, .scale = NAN}};
+  struct wish wish = {.view = {.from = NAN, .to = NAN, .step = NAN, .low = NAN, .high = NAN}};
   struct em_error err = {.code = EM_OK};
   struct em_run_file *run = NULL;
   struct em_view_report report;
@@ -72,8 +83,8 @@ int em_millpost_view(int argc, char **argv) {
   if (wish.quiet) return EM_MILLPOST_DONE;
   if (report.frames < report.wanted)
     fprintf(stderr,
-            "millpost: %zu of %zu frames are kept, for the file's size; --max-size, --max-balls or "
-            "a\nshorter time keep more\n",
+            "millpost: %zu of %zu frames are kept, for the file's size; --max-size, --balls or a\n"
+            "shorter time keep more\n",
             report.frames, report.wanted);
   fprintf(stderr, "%s: %zu frames of %zu balls, %.4g to %.4g s", wish.out, report.frames,
           report.balls, report.first, report.last);

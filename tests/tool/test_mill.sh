@@ -28,6 +28,7 @@ expect 2 "unknown option '-x'" "mill cost: unknown letter among others" "$mill" 
 expect 2 "unknown option '-x'" "millpost: unknown letter among others" "$post" info -xq run.h5
 expect 2 "unknown option '-o'" "millpost: an option of another command" "$post" info run.h5 -o x
 expect 2 "unknown option '--fast'" "millpost: unknown option" "$post" info run.h5 --fast
+expect 2 "unknown option '-j'" "millpost: a picture is no JSON" "$post" frame run.h5 -j
 expect 2 "--until-precision: error: 'foo'" "no precision" "$mill" run $gas -o none --until-precision foo
 expect 2 "missing after '-o'" "option without its value" "$mill" run $gas -o
 expect 2 "expected KEY=VALUE, found 'x'" "a second scene" "$mill" run $gas x

@@ -52,6 +52,7 @@ assert result["collisions"] == len(t) == result["rows"]
 assert sum(c["count"] for c in result["collisions_by_class"]) == len(t)
 ' info "$one"; }
 check "info counts what the file holds" info
+check "-j is short for --json" bash -c "'$post' info '$one' -qj | cmp - <('$post' info '$one' --json)"
 
 between() { # flushed between two samples, without observables
   run geometries/simoloyer-2l.cfg balls.count=100 duration=0.1234 record.observables=0 record.histograms=0 \

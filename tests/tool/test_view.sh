@@ -33,7 +33,12 @@ expect 0 "of 51 frames are kept" "a page of limited size" \
   "$post" view "$run" --max-size 0.2 -o "$work/thin.html"
 is "is small" 1 $(($(stat -c %s "$work/thin.html") < 300000))
 expect 0 "frames of 100 balls" "a page of few balls" \
-  "$post" view "$run" --max-balls 100 --from 0.01 --to 0.02 --step 0.002 -o "$work/few.html"
+  "$post" view "$run" --balls 100 --from 0.01 --to 0.02 --step 0.002 -o "$work/few.html"
+expect 0 "" "with its colours from 1 to 4 m/s" "$post" view "$run" --scale 1:4 -o "$work/scale.html"
+is "which are in the page" 1 "$(grep -c '"scaleLow":1,"scaleHigh":4,' "$work/scale.html")"
+expect 0 "" "or up to 4 m/s" "$post" view "$run" --scale 4 --max-balls 100 -o "$work/scale.html"
+is "from 0 on" 1 "$(grep -c '"scaleLow":0,"scaleHigh":4,' "$work/scale.html")"
+expect 2 "is not LOW:HIGH" "but not down" "$post" view "$run" --scale 4:1 -o "$work/scale.html"
 
 # A page holds the places of balls, to 16 bits of the chamber's box, in the corners of facets as well.
 facets=$work/facets.h5

@@ -7,11 +7,11 @@ const NO_CLASS = [190, 193, 198];
 // What colours can tell: the values on the scale, and for groups which one a ball belongs to.
 function kindsOf(run) {
   const speed = {title: "Speed", unit: "m/s", value: run.speed, bounds: [0, Infinity],
-                 high: run.scaleHigh};
+                 low: run.scaleLow, high: run.scaleHigh};
   const kinds = {speed: {axis: speed}};
   if (run.spins.length > 0) {
     const spin = {title: "Spin", unit: "rad/s", value: run.spin, bounds: [0, Infinity],
-                  high: run.spinHigh};
+                  low: 0, high: run.spinHigh};
     kinds.spin = {axis: spin};
   }
   if (run.classes.length > 0)
@@ -84,22 +84,33 @@ class Legend {
     this.bar = {x: this.width - 82, y: (this.height - h + names) / 2 + 30, w: 14, h};
   }
 
+  // How far up the axis a value is, and back.
+  shareOf(value) {
+    const {low, high} = this.axis;
+    return (value - low) / (high - low);
+  }
+
+  valueOf(share) {
+    const {low, high} = this.axis;
+    return low + share * (high - low);
+  }
+
   yOf(value) {
     const {y, h} = this.bar;
-    return y + h * (1 - Math.min(Math.max(value / this.axis.high, 0), 1));
+    return y + h * (1 - Math.min(Math.max(this.shareOf(value), 0), 1));
   }
 
   pull(y, changed) {
     const {bar, axis} = this, u = Math.min(Math.max(1 - (y - bar.y) / bar.h, 0), 1);
-    const value = u * axis.high;
-    if (this.held === 0) axis.bounds[0] = Math.min(value, axis.bounds[1]);
+    const value = this.valueOf(u);
+    if (this.held === 0) axis.bounds[0] = u <= 0 ? 0 : Math.min(value, axis.bounds[1]);
     else axis.bounds[1] = u >= 1 ? Infinity : Math.max(value, axis.bounds[0]);
     changed();
   }
 
   // Number of the colour for a value on the axis.
   step(value) {
-    const u = value / this.axis.high;
+    const u = this.shareOf(value);
     return u > 0 ? Math.min(Math.floor(u * 256), 255) : 0;
   }
 
@@ -160,7 +171,7 @@ class Legend {
     const {x, y, h} = this.bar, [low, high] = this.axis.bounds;
     const most = Math.max(1, ...this.bins), step = h / BINS, grouped = this.names.length > 0;
     for (let k = 0; k < BINS; k++) {
-      const v = (k + 0.5) / BINS * this.axis.high;
+      const v = this.valueOf((k + 0.5) / BINS);
       let right = x - 5;
       c.globalAlpha = v >= low && v <= high ? 1 : 0.25;
       this.shares.forEach((share, g) => {
@@ -194,12 +205,12 @@ class Legend {
   }
 
   ticks(c, shade) {
-    const {x, y, w} = this.bar, {title, unit, high} = this.axis;
-    const raw = high / 6, power = 10 ** Math.floor(Math.log10(raw));
+    const {x, y, w} = this.bar, {title, unit, low, high} = this.axis;
+    const raw = (high - low) / 6, power = 10 ** Math.floor(Math.log10(raw));
     const lead = raw / power, step = power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
     const digits = step < 1 ? Math.ceil(-Math.log10(step) - 1e-9) : 0;
     c.textAlign = "left";
-    for (let k = 0; k * step <= high + 1e-9 * step; k++) {
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
       const at = this.yOf(k * step);
       c.fillStyle = shade(0.55);
       c.fillRect(x + w + 2, at - 0.5, 5, 1);
