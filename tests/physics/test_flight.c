@@ -158,8 +158,10 @@ static void test_angular_momentum(void **state) {
   trial_open(&t,
              "gravity=\"none\";chamber={shape=\"box\";size=[10.0,10.0,10.0];};"
              "contact={rule=\"rough\";normal=0.9;tangential=-0.5;};"
-             "balls={count=300;diameter=0.01;region={low=[4.95,4.95,4.95];"
-             "high=[5.05,5.05,5.05];};};",
+             "balls=({count=200;diameter=0.01;region={low=[4.95,4.95,4.95];"
+             "high=[5.05,5.05,5.05];};},"
+             "{count=60;diameter=0.015;density=2500.0;region={low=[4.95,4.95,4.95];"
+             "high=[5.05,5.05,5.05];};});",
              "%s", "");
   const struct em_vec before = angular_momentum(&t);
   trial_run(&t, 2.0);
@@ -171,11 +173,33 @@ static void test_angular_momentum(void **state) {
   trial_free(&t);
 }
 
+/* A ball comes back from the wall, and meets one that has met nobody yet: what counts is the
+ * shorter of the two times since their last contacts. */
+static void test_contact_time(void **state) {
+  (void)state;
+  static const char two[] =
+      "gravity=\"none\";chamber={shape=\"box\";size=[1.0,0.1,0.1];};"
+      "contact={rule=\"smooth\";normal=0.5;};balls={diameter=0.02;start=\"table\";"
+      "table=((0.02,0.05,0.05,-1.0,0.0,0.0),(0.0403,0.05,0.05,-1.0,0.0,0.0));};";
+  static const double after = 0.0003 / 1.5; /* s: the gap over the speed at which it closes */
+  for (int k = 0; k < 2; k++) {
+    struct trial t;
+    trial_open(&t, two, "remedy.tc=%.17g", (k ? 1.001 : 0.999) * after);
+    trial_collide(&t, 2);
+    const struct em_tally *tally = em_world_tally(t.world);
+    assert_int_equal(tally->collisions[EM_CLASS_BALL], 1);
+    assert_int_equal(tally->tc, k);
+    assert_true(k ? tally->lost[EM_CLASS_BALL] == 0.0 : tally->lost[EM_CLASS_BALL] > 0.0);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_free_fall),    cmocka_unit_test(test_bouncing_ball),
       cmocka_unit_test(test_energy_books), cmocka_unit_test(test_turning_drum_books),
       cmocka_unit_test(test_momentum),     cmocka_unit_test(test_angular_momentum),
+      cmocka_unit_test(test_contact_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
