@@ -119,6 +119,8 @@ for signal in INT TERM; do
   for _ in $(seq 100); do [ -e "$work/cut.h5" ] && break; sleep 0.05; done
   sleep 0.2
   kill -$signal $pid
+  # GNU parallel and batch systems tell a program more than once.
+  if [ $signal = TERM ]; then while kill -TERM $pid 2>/dev/null; do sleep 0.001; done; fi
   wait $pid
   status=$?
   verdict=ok
