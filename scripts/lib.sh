@@ -23,12 +23,14 @@ find_programs() {
   fi
 }
 
+# need PROGRAM PACKAGE
+need() { command -v "$1" >/dev/null || fail "$2 is not installed: there is no $1"; }
+
 # json_number KEY <JSON: the first number of that key.
 json_number() { sed -n "s/.*\"$1\": *\\([-+0-9.eE]*\\).*/\\1/p" | head -n 1; }
 
-# is_finished RUN.h5: does its summary exist, and is it as long as $duration (if set) asks for? The
-# summary is written after the run file is complete; a run that has no entry `duration` in the scene
-# is as long as `mill run` made it.
+# is_finished RUN.h5 [DURATION]: does its summary exist, and is it as long as that? The summary is
+# written after the run file is complete.
 is_finished() {
   [ -s "$1" ] && [ -s "${1%.h5}.json" ] || return 1
   [ -z "${2:-}" ] && return 0
@@ -38,9 +40,11 @@ is_finished() {
 
 # The median speed of a run's balls over time: lines of time,speed.
 median_over_time() {
-  for what in time value; do
-    h5dump -d "/observables/median_speed/$what" -y -w 1 "$1" | sed -n 's/^ *\(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p'
-  done | awk '{ x[NR] = $1 } END { for (k = 1; k <= NR / 2; k++) print x[k] "," x[k + NR / 2] }'
+  both=$(for what in time value; do
+    h5dump -d "/observables/median_speed/$what" -y -w 1 "$1" || exit 1
+  done) || return 1
+  echo "$both" | sed -n 's/^ *\(-\{0,1\}[0-9][0-9.e+-]*\),\{0,1\}$/\1/p' |
+    awk '{ x[NR] = $1 } END { for (k = 1; k <= NR / 2; k++) print x[k] "," x[k + NR / 2] }'
 }
 
 # A time in seconds, for people.

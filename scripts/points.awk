@@ -1,7 +1,7 @@
 # Makes the table of points of a sweep. Axes come as lines "KEY=VALUES" (mode grid or lhs), or as a
 # table with a header (mode list). Prints CSV: point,repeat,seed,run,KEY... Variables: mode, count
 # (Latin hypercube), draw (its seed), repeat, base (added to all seeds), fixed (keys that have a value
-# for all points, with a blank after each).
+# for all points, with a blank after each). Text is bytes: LC_ALL=C.
 #
 # A point's seed and name depend on its values, the repeat and base alone: neither on the order of
 # the axes nor on the other points, so that a sweep can be extended.
@@ -18,7 +18,14 @@ function number(x) { return sprintf("%.10g", x) }
 function checked(key, text) {
   if (text == "" || text ~ /[,"' \t;$`\\]/)
     die(key ": '" text "' cannot be a value of an axis, expected a number or a word")
+  if (key ~ /\.(table|from)$/ && text !~ /^\//)
+    die(key ": '" text "': names of files must be absolute")
   return is_number(text) ? number(text) : text
+}
+
+# A slip in a step must not fill the memory.
+function bound(what, n) {
+  if (n > 1e6) die(sprintf("%s: %.10g, expected at most 1000000", what, n))
 }
 
 # Minimal standard generator (Park and Miller): the same numbers with every awk.
@@ -48,6 +55,7 @@ function read_axis(a, text,   part, n, k, steps) {
     is_range[a] = 1
     if (n == 2) return
     steps = int((high[a] - low[a]) / step[a] + 1e-9)
+    bound("values of " key[a], steps + 1)
     for (k = 0; k <= steps; k++) value[a, k] = number(low[a] + k * step[a])
     values[a] = steps + 1
     return
@@ -58,8 +66,6 @@ function read_axis(a, text,   part, n, k, steps) {
 }
 
 function grid(   k, a, rest) {
-  points = 1
-  for (a = 1; a <= axes; a++) points *= values[a]
   for (k = 0; k < points; k++) {
     rest = k
     for (a = axes; a >= 1; a--) {
@@ -71,7 +77,6 @@ function grid(   k, a, rest) {
 
 # Each axis is cut into `count` parts of equal probability; each part is drawn once.
 function hypercube(   a, k, j, order, swap, u) {
-  points = count
   for (a = 1; a <= axes; a++) {
     for (k = 0; k < count; k++) order[k] = k
     for (k = count - 1; k > 0; k--) {
@@ -122,17 +127,22 @@ function write_point(k,   a, r, text, name, row, seed, id) {
 }
 
 BEGIN {
+  no_seed = "seeds come from the points: --seed, --repeat"
   for (k = 1; k < 256; k++) ord[sprintf("%c", k)] = k
   state = 1 + draw % 2147483646
   base %= 2147483646
   for (k = 0; k < 10; k++) uniform()
 }
+NR == 1 { sub(/^\357\273\277/, "") } # UTF-8's byte order mark, as spreadsheets put it
 { sub(/\r$/, "") }
 /^[ \t]*(#|$)/ { next }
 mode == "list" {
+  sub(/[ \t]#.*/, "")
   gsub(/[ \t]*,[ \t]*|[ \t]+/, ",")
   gsub(/^,|,$/, "")
   n = split($0, field, ",")
+  for (a = 1; a <= n; a++)
+    if (field[a] ~ /^".+"$/) field[a] = substr(field[a], 2, length(field[a]) - 2)
   if (!axes) {
     axes = n
     for (a = 1; a <= n; a++) key[a] = field[a]
@@ -152,14 +162,20 @@ mode == "list" {
 END {
   if (dead) exit 2
   if (mode == "list" && !points) die("the list holds no point")
-  if (mode == "grid") grid()
-  if (mode == "lhs") hypercube()
+  if (index(" " fixed, " seed ")) die(no_seed)
   for (a = 1; a <= axes; a++)
     if (key[a] !~ /^[A-Za-z][A-Za-z0-9_.-]*$/) die("'" key[a] "' is not a key of a scene")
   for (a = 1; a <= axes; a++) {
+    if (key[a] == "seed") die(no_seed)
     if (given[key[a]]++) die(key[a] " is given twice")
     if (index(" " fixed, " " key[a] " ")) die(key[a] " has a fixed value and is an axis")
   }
+  if (mode != "list") points = mode == "lhs" ? count : 1
+  if (mode == "grid")
+    for (a = 1; a <= axes; a++) points *= values[a]
+  bound("runs", points * repeat)
+  if (mode == "grid") grid()
+  if (mode == "lhs") hypercube()
   sort_keys()
   printf "point,repeat,seed,run"
   for (a = 1; a <= axes; a++) printf ",%s", key[a]

@@ -135,6 +135,21 @@ for signal in KILL TERM; do
   check "and gives the same table" cmp quiet/table.csv "$signal/table.csv"
 done
 
+# Ctrl-C at a terminal tells sweep and GNU parallel, each of which tells the runs.
+ends() { for run in "$1"/runs/*.h5; do h5dump -a /eventmill/end "$run" | sed -n 's/.*(0): "\(.*\)"/\1/p'; done; }
+setsid env --default-signal=INT "$sweep" "$scene" rotor.rpm=900:100:1200 balls.count=3000 duration=100 \
+  record.frames=500 -q -j 4 -o keys >out 2>said &
+for _ in $(seq 200); do
+  [ "$(ls keys/runs/*.h5 2>/dev/null | wc -l)" -eq 4 ] && break
+  sleep 0.05
+done
+sleep 1
+kill -INT -- -$!
+wait $!
+is "Ctrl-C ends a sweep" 1 $?
+check "which says so" grep -q "interrupted; the same command goes on" said
+is "all its runs leave checkpoints" "interrupted interrupted interrupted interrupted" "$(ends keys | xargs)"
+
 # ---------------------------------------------------------------- diagrams
 "$collect" whole >/dev/null 2>&1
 if command -v gnuplot >/dev/null; then

@@ -39,14 +39,38 @@ expect 0 "" "scripts in such a folder" "a clone/scripts/sweep" "${gas[@]}" balls
 # A job array, as far as it can be told without Slurm: sbatch runs the first task at once.
 mkdir fake
 printf '#!/bin/sh\nSLURM_ARRAY_TASK_ID=0; export SLURM_ARRAY_TASK_ID\n%s\n' \
-  'case " $* " in *--wrap*) for last; do :; done; sh -c "$last" ;; *) for last; do :; done; sh "$last" ;; esac
+  'echo "$*" >>"$SENT"; case " $* " in *--wrap*) for last; do :; done; sh -c "$last" ;; *) for last; do :; done; sh "$last" ;; esac
 echo 1' >fake/sbatch
-printf '#!/bin/sh\n' >fake/squeue
-cp fake/squeue fake/scontrol
+printf '#!/bin/sh\n' >fake/scontrol
+printf '#!/bin/sh\necho "$QUEUE"\n' >fake/squeue
 chmod +x fake/*
+export QUEUE='' SENT=$PWD/sent
 PATH=$PWD/fake:$PATH expect 0 "" "its task finds its way there" \
   "a clone/scripts/sweep" "${gas[@]}" balls.count=10,20 --chunk 2 --on slurm --wait -o "$odd/array"
 is "as does the job for the tables" 3 "$(lines "$odd/array/table.csv")"
+
+replaced="{} 100%d"
+PATH=$PWD/fake:$PATH expect 0 "" "a folder named like what Slurm and GNU parallel replace" \
+  "$sweep" "${gas[@]}" balls.count=10 --chunk 1 --on slurm --wait -o "$replaced"
+check "its log" grep -qF -- "--output=$PWD/{} 100%%d/slurm-%A.log" sent
+expect 0 "" "the same, locally" "$sweep" "${gas[@]}" balls.count=10,20 -o "$replaced"
+is "has its runs" 3 "$(lines "$replaced/table.csv")"
+
+# ---------------------------------------------------------------- one at a time
+# What is refused changes nothing: rows that wait in a queue or go on keep their meaning.
+cp "$replaced/points.csv" points
+PATH=$PWD/fake:$PATH QUEUE=1 expect 1 "job 1 of this sweep is still in the queue" "an array in the queue" \
+  "$sweep" "${gas[@]}" balls.count=5,10,20 --on slurm -o "$replaced"
+PATH=$PWD/fake:$PATH QUEUE=1 expect 1 "still in the queue" "nor is it run locally" \
+  "$sweep" "${gas[@]}" balls.count=5,10,20 -o "$replaced"
+expect 1 "another sweep is at work" "a folder in which another sweep works" \
+  flock "$replaced/lock" "$sweep" "${gas[@]}" balls.count=5,10,20 -o "$replaced"
+check "stays as it is" cmp points "$replaced/points.csv"
+expect 1 "has no run 1" "runs are known by their names" "$scripts/run-point" "$replaced" 1
+run=$(cd "$replaced" && ls runs/count-10_*.h5)
+touch "$replaced/${run%.h5}.lock"
+expect 0 "" "a run that another process has finished" "$scripts/run-point" "$replaced" "$run"
+check "leaves no lock" test ! -e "$replaced/${run%.h5}.lock"
 
 # ---------------------------------------------------------------- what a run tells
 expect 0 "" "a sweep" "$sweep" "${gas[@]}" balls.count=10,20 -o told
@@ -65,6 +89,19 @@ expect 1 "$(basename "$run") is damaged" "a finished file that is damaged is tol
   "$sweep" "${gas[@]}" balls.count=10,20 -o told
 expect 0 "" "and begun anew" "$sweep" "${gas[@]}" balls.count=10,20 -o told
 check "with the same table" cmp sound.csv told/table.csv
+
+# ---------------------------------------------------------------- tables
+for option in --json "--of runs" "-o x.csv" --above; do
+  # shellcheck disable=SC2086 # a word and its value
+  expect 2 "unexpected\|missing" "collect $option" "$scripts/collect" told $option
+done
+check "they spoil no table" cmp sound.csv told/table.csv
+"$scripts/collect" told 2>other &
+check "two collections at a time" "$scripts/collect" told --from 0
+wait $!
+is "both end well" 0 $?
+is "leave the tables" "mean.csv points.csv provenance.csv table.csv table.h5" \
+  "$(cd told && echo *.csv* table*h5* | xargs -n 1 | sort | xargs)"
 
 # ---------------------------------------------------------------- other seeds
 expect 0 "" "another base seed" "$sweep" "${gas[@]}" balls.count=10,20 --seed 9 -o told
@@ -92,11 +129,24 @@ expect 2 "goes without KEY=VALUE" "mill check --joined prints what is written" \
 echo '@include "loop.cfg"' >loop.cfg
 expect 2 "nested too deeply" "a scene that includes itself" "$sweep" loop.cfg balls.count=1,2 -o loop
 
+echo '0.05 0.07 0.02 -1 0 0' >>"$place"/rows.txt
+expect 2 'scene"/rows.txt is not what it was' "a table that has changed since" \
+  "$sweep" "$place/scene.cfg" balls.diameter=0.004,0.005,0.006 record.frames=100 -q -j1 -o closed
+(cat gas.cfg; echo 'duration = 0.01;') >grows.cfg
+expect 0 "" "a scene with its duration" "$sweep" grows.cfg balls.count=10,20 -q -j1 -o grown
+sed -i 's/duration = 0.01/duration = 0.02/' grows.cfg
+expect 0 "" "which grows" "$sweep" grows.cfg balls.count=10,20 -q -j1 -o grown
+is "makes longer runs" "0.02 0.02" "$(column grown/table.csv 'simulated_time [s]' | xargs)"
+
 # The balls of a run that lies beside the scene.
 cp "$(ls closed/runs/*.h5 | head -n 1)" "$place/before.h5"
 sed -i 's/start = .*/start = "run"; from = "before.h5"; count = 2; diameter = 0.004; };/; s/diameter = 0.005; //' \
   "$place/gas.cfg"
 expect 0 "" "a scene that goes on from a run" "$sweep" "$place/scene.cfg" contact.normal=0.9,1 -q -j1 -o from
+check "the file is noted" grep -q 'before.h5$' from/files
+for from in before.h5 before.h5,after.h5; do
+  expect 2 "must be absolute" "not $from" "$sweep" "$place/scene.cfg" "balls.from=$from" -q -o no
+done
 
 # ---------------------------------------------------------------- values
 law=(contact.normal=spahn contact.normal.A=0.9)
@@ -113,6 +163,15 @@ expect 2 "balls.count has a fixed value and is an axis" "an axis and a fixed val
 printf 'balls.count\n10\n20\n' >list
 expect 2 "balls.count has a fixed value and is an axis" "a list and a fixed value" \
   "$sweep" "${gas[@]}" --list list balls.count=30 -o no
+printf 'seed,balls.count\n5,10\n' >list
+expect 2 "seeds come from the points" "seeds in a list" "$sweep" "${gas[@]}" --list list -o no
+expect 2 "values of rotor.rpm: 9.99e+11, expected at most" "a slip in a step" \
+  "$sweep" "${gas[@]}" rotor.rpm=1:1e-9:1000 -o no
+expect 2 "runs: 1000002, expected at most" "too many repeats" \
+  "$sweep" "${gas[@]}" balls.count=10,20 --repeat 500001 -o no
+printf '\xef\xbb\xbf"balls.count","contact.normal"\r\n10,1   # a comment\r\n"20","1"\r\n' >list
+expect 0 "count-10_normal-1_.*h5" "a list from a spreadsheet" bash -c '"$@" -n >&2' - "$sweep" "${gas[@]}" --list list -o no
+expect 2 "KEY=LOW:1:HIGH" "whole numbers in a hypercube" "$sweep" "${gas[@]}" balls.count=10:20 --lhs 3 -o no
 expect 2 "lhs must be at least 1" "a hypercube without points" \
   "$sweep" "${gas[@]}" balls.count=10:20 --lhs 0 -o no
 expect 2 "j must be at least 1" "no run at a time" "$sweep" "${gas[@]}" balls.count=10,20 -j 0 -n -o no
