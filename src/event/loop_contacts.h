@@ -27,8 +27,10 @@ static inline void FN(push)(struct em_body *b, double sign, struct em_vec kick) 
 }
 
 /* Turns ball i by k e × P_t; returns the spin energy (J) that it gained. */
-static double FN(spin_up)(struct em_world *w, uint32_t i, double m,
-                          const struct em_contact_law *law, struct em_vec twist) {
+static inline __attribute__((always_inline)) double FN(spin_up)(struct em_world *w, uint32_t i,
+                                                                double m,
+                                                                const struct em_contact_law *law,
+                                                                struct em_vec twist) {
   const double r = w->body[i].radius;
   const struct em_vec d = em_vec_scale(em_contact_spin_factor(law->rule, m, r), twist);
   const struct em_vec old = w->spin[i];

@@ -124,7 +124,7 @@ static void draw(const struct em_run_file *run, int what, const char *path) {
   const struct em_plot_series line = {
       .name = "a", .style = EM_PLOT_LINE, .count = 3, .x = x, .y = y};
   const struct em_plot plot = {.title = "t", .series_count = 1, .series = &line};
-  const struct em_view_options view = {.from = NAN, .to = NAN, .step = NAN, .scale = 1.5};
+  const struct em_view_options view = {.from = NAN, .to = NAN, .step = NAN, .high = 1.5};
   struct em_error err = {0};
   enum em_status status = EM_OK;
   if (what == 0) status = em_plot_draw(&plot, path, &err);
