@@ -106,7 +106,8 @@ enum em_status em_plot_bars(const struct em_plot_bars *bars, const char *path,
 enum em_status em_plot_map(const struct em_plot_map *map, const char *path, struct em_error *err);
 
 /* Writes scene and operating point ("Simoloyer, 2 litres · 1300 rpm · 3500 balls of 5 mm") into
- * text; cut to size bytes. */
+ * text, or the operating point alone; cut to size bytes. Long titles are shortened. */
 void em_plot_subtitle(const struct em_scene *scene, char *text, size_t size);
+void em_plot_operating_point(const struct em_scene *scene, char *text, size_t size);
 
 #endif

@@ -38,16 +38,38 @@ static void add_speeds(struct line *line, const struct em_scene *scene) {
   add(line, " rpm");
 }
 
+/* As many bytes of a title as leave room for the operating point beside it, in whole letters. */
+static int title_length(const char *title) {
+  enum { MOST = 64 };
+  int letters = 0, length = 0;
+  for (; title[length] != '\0'; length++) {
+    letters += ((unsigned char)title[length] & 0xC0) != 0x80; /* UTF-8 */
+    if (letters > MOST) break;
+  }
+  return length;
+}
+
+static void add_operating_point(struct line *line, const struct em_scene *scene) {
+  add_speeds(line, scene);
+  for (size_t k = 0; k < scene->species_count && k < 4; k++) {
+    begin_part(line);
+    add(line, "%zu ball%s of %g mm", scene->species[k].count,
+        scene->species[k].count == 1 ? "" : "s", 1e3 * scene->species[k].diameter);
+  }
+}
+
+void em_plot_operating_point(const struct em_scene *scene, char *text, size_t size) {
+  EM_LOCALE_PLAIN;
+  struct line line = {text, size, 0};
+  if (size > 0) text[0] = '\0';
+  add_operating_point(&line, scene);
+}
+
 void em_plot_subtitle(const struct em_scene *scene, char *text, size_t size) {
   EM_LOCALE_PLAIN;
   struct line line = {text, size, 0};
-  if (size == 0) return;
-  text[0] = '\0';
-  add(&line, "%s", scene->title);
-  add_speeds(&line, scene);
-  for (size_t k = 0; k < scene->species_count && k < 4; k++) {
-    begin_part(&line);
-    add(&line, "%zu ball%s of %g mm", scene->species[k].count,
-        scene->species[k].count == 1 ? "" : "s", 1e3 * scene->species[k].diameter);
-  }
+  const int length = title_length(scene->title);
+  if (size > 0) text[0] = '\0';
+  add(&line, "%.*s%s", length, scene->title, scene->title[length] != '\0' ? "…" : "");
+  add_operating_point(&line, scene);
 }

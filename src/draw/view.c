@@ -126,18 +126,13 @@ static void put_chamber(FILE *out, const struct em_scene *scene) {
   fprintf(out, ",\n");
 }
 
-/* Scene and operating point, without the title that is shown above. */
 static void put_titles(FILE *out, const struct em_scene *scene) {
   char point[512];
-  em_plot_subtitle(scene, point, sizeof point);
-  const size_t title = strlen(scene->title);
-  const char *rest = point;
-  if (title > 0 && strncmp(point, scene->title, title) == 0) rest += title;
-  if (strncmp(rest, " · ", strlen(" · ")) == 0) rest += strlen(" · ");
+  em_plot_operating_point(scene, point, sizeof point);
   fprintf(out, "\"title\":");
   put_text(out, scene->title);
   fprintf(out, ",\"point\":");
-  put_text(out, rest);
+  put_text(out, point);
   fprintf(out, ",\n");
 }
 

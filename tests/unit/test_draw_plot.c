@@ -253,6 +253,17 @@ static void the_subtitle_tells_the_operating_point(void **state) {
   assert_string_equal(text, "small mill · 2000 rpm · 150 balls of 4 mm");
   em_plot_subtitle(scene, cut, sizeof cut);
   assert_string_equal(cut, "small m");
+  em_plot_operating_point(scene, text, sizeof text);
+  assert_string_equal(text, "2000 rpm · 150 balls of 4 mm");
+  em_scene_free(scene);
+  /* A long title leaves room for the rest, and is cut between letters. */
+  char title[400] = "title=", whole[256];
+  for (int k = 0; k < 100; k++)
+    strcat(title, "é");
+  const char *const override[] = {title};
+  scene = draw_scene(DRAW_MILL, 1, override);
+  em_plot_subtitle(scene, whole, sizeof whole);
+  assert_non_null(strstr(whole, "éé… · 2000 rpm · 150 balls of 4 mm"));
   em_scene_free(scene);
 }
 
