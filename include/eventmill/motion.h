@@ -39,8 +39,9 @@ void em_motion_ball(const struct em_motion *motion, size_t ball, struct em_vec *
 const double *em_motion_blades(const struct em_motion *motion);
 const uint8_t *em_motion_classes(struct em_motion *motion);
 
-/* Contacts within the last `memory` seconds as fading marks, at most `room` of them, the latest
- * ones; returns how many. */
+/* Contacts within the last `memory` seconds as shrinking discs, at most `room` of them, the latest
+ * ones, the smallest of a fifth of the radius. Returns how many contacts there were, which may be
+ * more than `room`. */
 size_t em_motion_marks(const struct em_motion *motion, struct em_picture_bead *bead, size_t room,
                        double radius);
 

@@ -23,11 +23,13 @@
 enum em_picture_by { EM_PICTURE_LIST(EM_PICTURE_ENUM) EM_PICTURE_KINDS };
 #undef EM_PICTURE_ENUM
 
-/* A small sphere beside the balls, of which trails and marks are made. */
+/* A small thing beside the balls: a sphere, of which trails are made, or a disc with a white rim
+ * that marks a collision. */
 struct em_picture_bead {
   struct em_vec place; /* m */
   double radius;       /* m */
   uint8_t rgb[3];      /* sRGB */
+  bool disc;
 };
 
 /* What is to be seen. Nothing is kept or changed. */
@@ -39,6 +41,7 @@ struct em_picture_state {
                                 yet; NULL: not known */
   size_t bead_count;
   const struct em_picture_bead *bead;
+  size_t unmarked; /* collisions that have no mark, because they are too many */
 };
 
 struct em_picture_options {
@@ -50,10 +53,12 @@ struct em_picture_options {
   double low, high;           /* ends of the scale, m/s or rad/s */
   double show_low, show_high; /* m/s: only balls as fast as this; show_high 0: no limit */
   size_t limit;               /* no more than so many balls, evenly chosen; 0: all */
-  bool hide_rotor, hide_drum, hide_balls, hide_legend;
-  bool histogram; /* of the balls' speeds, beside the colour bar */
-  bool dark;      /* on a dark ground */
-  char note[128]; /* written at the lower right: "40 times slower" */
+  bool hide_rotor, hide_drum, hide_balls;
+  bool hide_legend; /* small pictures have none: below about 200 × 140 pixels */
+  bool histogram;   /* of the balls' speeds, beside the colour bar */
+  bool dark;        /* on a dark ground */
+  double marked;    /* s: collisions as old as this have marks; 0: none */
+  char note[128];   /* written at the lower right: "40 times slower" */
 };
 
 struct em_picture;

@@ -18,7 +18,7 @@ enum { SLOTS_PER_WORKER = 2, MOST_WORKERS = 64 };
 struct slot {
   size_t index; /* of the picture */
   double time;
-  size_t bead_count;
+  size_t bead_count, unmarked;
   bool has_classes;
   enum em_status status;
   struct em_error error;
@@ -97,6 +97,7 @@ static void draw(struct em_picture *picture, const struct em_crew *crew, const s
       .last = v->slot->has_classes ? v->last : NULL,
       .bead_count = v->slot->bead_count,
       .bead = v->bead,
+      .unmarked = v->slot->unmarked,
   };
   const struct em_film_options *o = crew->options;
   if (o->orbit != 0.0)
@@ -198,6 +199,7 @@ enum em_status em_crew_give(struct em_crew *crew, size_t k, const struct em_pict
   v.slot->index = k;
   v.slot->time = state->time;
   v.slot->bead_count = state->bead_count;
+  v.slot->unmarked = state->unmarked;
   v.slot->has_classes = state->last != NULL;
   memcpy(v.position, state->balls->position, vectors);
   memcpy(v.velocity, state->balls->velocity, vectors);

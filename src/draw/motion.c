@@ -456,14 +456,15 @@ const uint8_t *em_motion_classes(struct em_motion *motion) {
 size_t em_motion_marks(const struct em_motion *motion, struct em_picture_bead *bead, size_t room,
                        double radius) {
   size_t count = 0;
-  for (size_t k = motion->mark_count; k-- > 0 && count < room;) {
+  for (size_t k = motion->mark_count; k-- > 0;) {
     const struct mark *mark = &motion->mark[k];
     const double age = motion->time - mark->time;
     if (age < 0.0) continue;
     if (age > motion->memory) break;
+    if (count++ >= room) continue;
     const uint8_t *c = em_colour_cycle(mark->cls);
-    bead[count++] = (struct em_picture_bead){
-        mark->place, radius * (1.0 - 0.8 * age / motion->memory), {c[0], c[1], c[2]}};
+    bead[count - 1] = (struct em_picture_bead){
+        mark->place, radius * (1.0 - 0.8 * age / motion->memory), {c[0], c[1], c[2]}, true};
   }
   return count;
 }

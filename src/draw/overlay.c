@@ -1,5 +1,6 @@
-/* Draws ground and legend. Lengths are given for a picture of 1280 × 720 and scaled with its size.
- */
+/* Draws ground and legend. Lengths are given for a picture of 1280 × 720 and scaled with its size,
+ * but not so far that the texts could not be read. Where the legend lies on the mill, the ground is
+ * put between them. */
 #include "draw/overlay.h"
 
 #include <math.h>
@@ -20,8 +21,20 @@ struct bar {
   double x, y, w, h;
 };
 
+/* The least scale: of texts that can be read. The least paper, in units of the layout, on which
+ * there is room for a legend. */
+static const double LEAST_SCALE = 0.62, LEAST_WIDTH = 320.0, LEAST_HEIGHT = 220.0;
+
+/* Of the histogram's bars; of the letters. */
+static const double LONGEST = 84.0, TITLE = 21.0, POINT = 14.5, KEY = 14.0;
+
 static double scale_of(const struct em_picture_options *o) {
-  return fmin(o->width / 1280.0, o->height / 720.0);
+  return fmax(fmin(o->width / 1280.0, o->height / 720.0), LEAST_SCALE);
+}
+
+static bool has_legend(const struct em_picture_options *o) {
+  const double s = scale_of(o);
+  return !o->hide_legend && o->width >= s * LEAST_WIDTH && o->height >= s * LEAST_HEIGHT;
 }
 
 static struct paper paper_on(cairo_surface_t *surface, const struct em_picture_options *o) {
@@ -33,11 +46,11 @@ static struct paper paper_on(cairo_surface_t *surface, const struct em_picture_o
 }
 
 static bool has_bar(const struct em_picture_options *o) {
-  return !o->hide_legend && (o->by == EM_PICTURE_SPEED || o->by == EM_PICTURE_SPIN);
+  return has_legend(o) && (o->by == EM_PICTURE_SPEED || o->by == EM_PICTURE_SPIN);
 }
 
 static struct bar bar_of(const struct paper *p) {
-  const double h = fmin(430.0, p->height - 250.0);
+  const double h = fmin(430.0, p->height - 130.0);
   return (struct bar){p->width - 96.0, 0.5 * (p->height - h) + 14.0, 14.0, h};
 }
 
@@ -45,11 +58,11 @@ void em_overlay_margins(const struct em_picture_options *options, struct em_came
   const double s = scale_of(options), w = options->width / s, h = options->height / s;
   camera->left = camera->right = 30.0 / w;
   camera->top = camera->bottom = 30.0 / h;
-  if (options->hide_legend) return;
+  if (!has_legend(options)) return;
   const bool wide = w > 1.25 * h;
   camera->right = (options->histogram ? 190.0 : 130.0) / w;
-  camera->left = (wide ? 90.0 : 30.0) / w;
-  camera->top = (wide ? 56.0 : 96.0) / h;
+  camera->left = wide ? fmin(0.07, 90.0 / w) : 30.0 / w;
+  camera->top = (wide ? 84.0 : 96.0) / h;
   camera->bottom = (wide ? 30.0 : 64.0) / h;
 }
 
@@ -62,31 +75,64 @@ static void ink(const struct paper *p, double strength) {
                        from[2] + strength * (to[2] - from[2]));
 }
 
-/* align: 0 left, 0.5 middle, 1 right of x. */
-static void print(const struct paper *p, double x, double y, double size, bool bold, double align,
-                  const char *text) {
+/* Chooses the font; returns how wide the text is. */
+static double measure(const struct paper *p, double size, bool bold, const char *text) {
   cairo_text_extents_t box;
   cairo_select_font_face(p->c, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(p->c, size);
   cairo_text_extents(p->c, text, &box);
-  cairo_move_to(p->c, x - align * box.x_advance, y);
+  return box.x_advance;
+}
+
+/* align: 0 left, 0.5 middle, 1 right of x. */
+static void print(const struct paper *p, double x, double y, double size, bool bold, double align,
+                  const char *text) {
+  const double width = measure(p, size, bold, text);
+  cairo_move_to(p->c, x - align * width, y);
   cairo_show_text(p->c, text);
 }
 
-static void fill_ground(const struct paper *p) {
+static void take_ground(const struct paper *p, double alpha) {
   const double x = 0.46 * p->width, y = 0.46 * p->height;
   cairo_pattern_t *g = cairo_pattern_create_radial(x, y, 0.1 * p->height, x, y, 0.75 * p->width);
   if (p->dark) {
-    cairo_pattern_add_color_stop_rgb(g, 0.0, 0.165, 0.180, 0.205);
-    cairo_pattern_add_color_stop_rgb(g, 1.0, 0.045, 0.050, 0.060);
+    cairo_pattern_add_color_stop_rgba(g, 0.0, 0.165, 0.180, 0.205, alpha);
+    cairo_pattern_add_color_stop_rgba(g, 1.0, 0.045, 0.050, 0.060, alpha);
   } else {
-    cairo_pattern_add_color_stop_rgb(g, 0.0, 0.985, 0.985, 0.982);
-    cairo_pattern_add_color_stop_rgb(g, 1.0, 0.845, 0.860, 0.880);
+    cairo_pattern_add_color_stop_rgba(g, 0.0, 0.985, 0.985, 0.982, alpha);
+    cairo_pattern_add_color_stop_rgba(g, 1.0, 0.845, 0.860, 0.880, alpha);
   }
   cairo_set_source(p->c, g);
-  cairo_paint(p->c);
   cairo_pattern_destroy(g);
+}
+
+/* A panel behind a part of the legend, of the ground itself: it shows only where it lies on
+ * something. */
+static void back(const struct paper *p, double x, double y, double w, double h) {
+  const double r = 8.0, right = x + w - r, low = y + h - r;
+  cairo_new_path(p->c);
+  cairo_arc(p->c, x + r, y + r, r, M_PI, 1.5 * M_PI);
+  cairo_arc(p->c, right, y + r, r, 1.5 * M_PI, 2.0 * M_PI);
+  cairo_arc(p->c, right, low, r, 0.0, 0.5 * M_PI);
+  cairo_arc(p->c, x + r, low, r, 0.5 * M_PI, M_PI);
+  cairo_close_path(p->c);
+  take_ground(p, 0.80);
+  cairo_fill(p->c);
+}
+
+/* As much of a text as is no wider than this, with "…" where it was cut. */
+static void shorten(const struct paper *p, double size, bool bold, double width, char *text,
+                    size_t room) {
+  static const char dots[] = "…";
+  size_t length = strlen(text);
+  while (length > 0 && measure(p, size, bold, text) > width) {
+    if (length > room - sizeof dots) length = room - sizeof dots;
+    do
+      length--;
+    while (length > 0 && ((unsigned char)text[length] & 0xC0) == 0x80); /* UTF-8 */
+    memcpy(text + length, dots, sizeof dots);
+  }
 }
 
 /* A step of 1, 2 or 5 times a power of ten, with about six of them in the range. */
@@ -120,6 +166,8 @@ static void draw_bar(const struct paper *p, const struct em_picture_options *o,
                      const struct em_colour_map *map) {
   const struct bar b = bar_of(p);
   const bool spin = o->by == EM_PICTURE_SPIN;
+  const double left = o->histogram ? LONGEST + 16.0 : 12.0;
+  back(p, b.x - left, b.y - 56.0, p->width - 12.0 - b.x + left, b.h + 70.0);
   cairo_pattern_t *g = cairo_pattern_create_linear(0.0, b.y + b.h, 0.0, b.y);
   for (int k = 0; k < EM_COLOUR_STEPS; k += 5)
     cairo_pattern_add_color_stop_rgb(g, k / (double)(EM_COLOUR_STEPS - 1), map->rgb[k][0] / 255.0,
@@ -141,6 +189,7 @@ static void draw_swatches(const struct paper *p, const struct em_scene *scene,
   const size_t count = by_class ? EM_CLASS_COUNT : scene->species_count;
   const double x = p->width - 150.0;
   double y = 0.5 * p->height - 14.0 * (double)count;
+  back(p, x - 12.0, y - 52.0, p->width - x, 28.0 * fmin((double)count, 16.0) + 40.0);
   ink(p, 0.92);
   print(p, x, y - 28.0, 15.0, true, 0.0, by_class ? "Last contact" : "Balls");
   for (size_t k = 0; k < count && k < 16; k++, y += 28.0) {
@@ -153,35 +202,85 @@ static void draw_swatches(const struct paper *p, const struct em_scene *scene,
   }
 }
 
-/* "TITLE · OPERATING POINT" in two lines. */
-static void draw_title(const struct paper *p, const struct em_scene *scene) {
-  char point[256];
-  em_plot_subtitle(scene, point, sizeof point);
-  const char *rest = point;
-  if (strncmp(point, scene->title, strlen(scene->title)) == 0 && scene->title[0] != '\0') {
-    rest = point + strlen(scene->title);
-    if (strncmp(rest, " · ", strlen(" · ")) == 0) rest += strlen(" · ");
-  }
-  ink(p, 0.95);
-  print(p, 28.0, 44.0, 21.0, true, 0.0, scene->title);
-  ink(p, 0.70);
-  print(p, 28.0, scene->title[0] != '\0' ? 68.0 : 44.0, 14.5, false, 0.0, rest);
+/* Which balls are shown, where not all are. */
+static void add_choice(const struct em_scene *scene, const struct em_picture_options *o, char *text,
+                       size_t size) {
+  const bool fewer = o->limit > 0 && o->limit < em_scene_ball_count(scene);
+  const bool range = o->show_low > 0.0 || o->show_high > 0.0;
+  if (o->hide_balls || (!fewer && !range)) return;
+  size_t used = strlen(text);
+  if (fewer) used += (size_t)snprintf(text + used, size - used, " · %zu of them", o->limit);
+  if (range && o->show_high > 0.0)
+    used += (size_t)snprintf(text + used, size - used, " · those at %g to %g m/s", o->show_low,
+                             o->show_high);
+  else if (range)
+    used += (size_t)snprintf(text + used, size - used, " · those above %g m/s", o->show_low);
+  if (o->histogram && has_bar(o)) snprintf(text + used, size - used, " (histogram: all)");
 }
 
-void em_overlay_ground(cairo_surface_t *surface, const struct em_scene *scene,
-                       const struct em_picture_options *options, const struct em_colour_map *map) {
-  EM_LOCALE_PLAIN;
+/* The title; below it the operating point. */
+static void draw_title(const struct paper *p, const struct em_scene *scene,
+                       const struct em_picture_options *o) {
+  const double width = p->width - 56.0;
+  char title[256], point[512];
+  snprintf(title, sizeof title, "%s", scene->title);
+  em_plot_operating_point(scene, point, 256);
+  add_choice(scene, o, point, sizeof point);
+  shorten(p, TITLE, true, width, title, sizeof title);
+  shorten(p, POINT, false, width, point, sizeof point);
+  const double w = fmax(measure(p, TITLE, true, title), measure(p, POINT, false, point));
+  const bool two = title[0] != '\0';
+  back(p, 18.0, 20.0, w + 20.0, two ? 58.0 : 36.0);
+  ink(p, 0.95);
+  print(p, 28.0, 44.0, TITLE, true, 0.0, title);
+  ink(p, 0.70);
+  print(p, 28.0, two ? 68.0 : 44.0, POINT, false, 0.0, point);
+}
+
+/* What the marks of collisions mean, above the time. */
+static void draw_mark_key(const struct paper *p, const struct em_picture_options *o) {
+  const double line = 23.0, x = 28.0, rim = 0.7; /* as in spheres.c */
+  double y = p->height - 64.0 - line * EM_CLASS_COUNT;
+  char text[64];
+  snprintf(text, sizeof text, "Collisions, last %.3g ms", 1e3 * o->marked);
+  back(p, x - 10.0, y - 22.0, measure(p, KEY, true, text) + 20.0,
+       line * (EM_CLASS_COUNT + 1) + 8.0);
+  ink(p, 0.92);
+  print(p, x, y, KEY, true, 0.0, text);
+  for (int k = 0; k < EM_CLASS_COUNT; k++) {
+    y += line;
+    cairo_set_source_rgb(p->c, 1.0, 1.0, 1.0);
+    cairo_arc(p->c, x + 8.0, y - 5.0, 7.0, 0.0, 2.0 * M_PI);
+    cairo_fill(p->c);
+    set_colour(p, em_colour_cycle((unsigned)k));
+    cairo_arc(p->c, x + 8.0, y - 5.0, 7.0 * rim, 0.0, 2.0 * M_PI);
+    cairo_fill(p->c);
+    ink(p, 0.80);
+    print(p, x + 26.0, y, KEY, false, 0.0, em_contact_class_name((enum em_class)k));
+  }
+}
+
+void em_overlay_ground(cairo_surface_t *surface, const struct em_picture_options *options) {
   const struct paper p = paper_on(surface, options);
-  fill_ground(&p);
-  if (!options->hide_legend) {
-    draw_title(&p, scene);
-    if (has_bar(options)) draw_bar(&p, options, map);
-    if (options->by == EM_PICTURE_CLASS || options->by == EM_PICTURE_SPECIES)
-      draw_swatches(&p, scene, options);
-    if (options->note[0] != '\0') {
-      ink(&p, 0.60);
-      print(&p, p.width - 28.0, p.height - 28.0, 14.0, false, 1.0, options->note);
-    }
+  take_ground(&p, 1.0);
+  cairo_paint(p.c);
+  cairo_destroy(p.c);
+}
+
+void em_overlay_legend(cairo_surface_t *surface, const struct em_scene *scene,
+                       const struct em_picture_options *options, const struct em_colour_map *map) {
+  if (!has_legend(options)) return;
+  const struct paper p = paper_on(surface, options);
+  draw_title(&p, scene, options);
+  if (has_bar(options)) draw_bar(&p, options, map);
+  if (options->by == EM_PICTURE_CLASS || options->by == EM_PICTURE_SPECIES)
+    draw_swatches(&p, scene, options);
+  if (options->marked > 0.0) draw_mark_key(&p, options);
+  if (options->note[0] != '\0') {
+    const double w = measure(&p, 14.0, false, options->note);
+    back(&p, p.width - w - 38.0, p.height - 48.0, w + 20.0, 30.0);
+    ink(&p, 0.60);
+    print(&p, p.width - 28.0, p.height - 28.0, 14.0, false, 1.0, options->note);
   }
   cairo_destroy(p.c);
 }
@@ -190,12 +289,12 @@ void em_overlay_ground(cairo_surface_t *surface, const struct em_scene *scene,
 static void draw_histogram(const struct paper *p, const struct em_colour_map *map,
                            const unsigned *bin) {
   const struct bar b = bar_of(p);
-  const double step = b.h / EM_OVERLAY_BINS, longest = 84.0;
+  const double step = b.h / EM_OVERLAY_BINS;
   unsigned most = 1;
   for (int k = 0; k < EM_OVERLAY_BINS; k++)
     most = bin[k] > most ? bin[k] : most;
   for (int k = 0; k < EM_OVERLAY_BINS; k++) {
-    const double w = longest * bin[k] / most;
+    const double w = LONGEST * bin[k] / most;
     set_colour(p, em_colour_at(map, k + 0.5, 0.0, EM_OVERLAY_BINS));
     cairo_rectangle(p->c, b.x - 5.0 - w, b.y + b.h - (k + 1) * step + 0.6, w, step - 1.2);
     cairo_fill(p->c);
@@ -203,12 +302,17 @@ static void draw_histogram(const struct paper *p, const struct em_colour_map *ma
 }
 
 void em_overlay_moment(cairo_surface_t *surface, const struct em_picture_options *options,
-                       const struct em_colour_map *map, double time, const unsigned *bin) {
+                       const struct em_colour_map *map, const struct em_picture_state *state,
+                       const unsigned *bin) {
   EM_LOCALE_PLAIN;
-  if (options->hide_legend) return;
+  if (!has_legend(options)) return;
   const struct paper p = paper_on(surface, options);
-  char text[64];
-  snprintf(text, sizeof text, "t = %.4f s", time);
+  char text[96];
+  const int used = snprintf(text, sizeof text, "t = %.4f s", state->time);
+  if (state->unmarked > 0)
+    snprintf(text + used, sizeof text - (size_t)used, " · %zu earlier collisions unmarked",
+             state->unmarked);
+  back(&p, 18.0, p.height - 50.0, measure(&p, 18.0, false, text) + 20.0, 32.0);
   ink(&p, 0.90);
   print(&p, 28.0, p.height - 28.0, 18.0, false, 0.0, text);
   if (bin != NULL && has_bar(options)) draw_histogram(&p, map, bin);

@@ -1,4 +1,5 @@
-/* Pictures: balls and machine by OpenGL, ground and legend by cairo, put one upon the other. */
+/* Pictures: the ground by cairo, balls and machine by OpenGL, the legend by cairo, put one upon the
+ * other. */
 #include "eventmill/picture.h"
 
 #include <cairo.h>
@@ -30,7 +31,7 @@ struct em_picture {
   struct em_sphere *sphere; /* twice sphere_room: as they come, and sorted */
   struct order *order;      /* sphere_room */
   unsigned bin[EM_OVERLAY_BINS];
-  cairo_surface_t *ground, *sheet;
+  cairo_surface_t *ground, *legend, *sheet;
   uint8_t *small; /* the drawing at the picture's size; NULL where that is the canvas's */
 };
 
@@ -111,14 +112,18 @@ void em_picture_turn(struct em_picture *picture, double azimuth) {
 static enum em_status make_sheets(struct em_picture *p, struct em_error *err) {
   const int w = p->options.width, h = p->options.height;
   p->ground = cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h);
+  p->legend = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, w, h);
   p->sheet = cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h);
   if (p->options.smooth > 1) p->small = malloc(4 * (size_t)w * (size_t)h);
   if (cairo_surface_status(p->ground) != CAIRO_STATUS_SUCCESS ||
+      cairo_surface_status(p->legend) != CAIRO_STATUS_SUCCESS ||
       cairo_surface_status(p->sheet) != CAIRO_STATUS_SUCCESS ||
       (p->options.smooth > 1 && p->small == NULL))
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for a picture of %d x %d", w, h);
-  em_overlay_ground(p->ground, p->scene, &p->options, &p->map);
+  em_overlay_ground(p->ground, &p->options);
+  em_overlay_legend(p->legend, p->scene, &p->options, &p->map);
   cairo_surface_flush(p->ground);
+  cairo_surface_flush(p->legend);
   return EM_OK;
 }
 
@@ -263,6 +268,7 @@ static size_t add_beads(struct em_picture *p, const struct em_picture_state *sta
   for (size_t k = 0; k < state->bead_count; k++, n++) {
     put(&p->sphere[n], state->bead[k].place, state->bead[k].radius);
     paint(&p->sphere[n], state->bead[k].rgb);
+    if (state->bead[k].disc) p->sphere[n].rgba[3] = 0;
   }
   return n;
 }
@@ -335,7 +341,7 @@ static uint32_t blend_two(uint32_t a, uint32_t b, uint32_t weight) {
   return (sum | (over - (over >> 8))) & 0x00ff00ffU;
 }
 
-/* The drawing (premultiplied) over the ground; all B, G, R, A. */
+/* One layer (premultiplied) over another; all B, G, R, A. */
 static void compose(const uint8_t *over, const uint8_t *ground, uint8_t *sheet, size_t pixels) {
   for (size_t k = 0; k < 4 * pixels; k += 4) {
     uint32_t o, g;
@@ -370,9 +376,9 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
     drawn = picture->small;
   }
   compose(drawn, cairo_image_surface_get_data(picture->ground), sheet, pixels);
+  compose(cairo_image_surface_get_data(picture->legend), sheet, sheet, pixels);
   cairo_surface_mark_dirty(picture->sheet);
-  em_overlay_moment(picture->sheet, o, &picture->map, state->time,
-                    o->histogram ? picture->bin : NULL);
+  em_overlay_moment(picture->sheet, o, &picture->map, state, o->histogram ? picture->bin : NULL);
   cairo_surface_flush(picture->sheet);
   copy_out(sheet, rgba, pixels);
   return EM_OK;
@@ -406,6 +412,7 @@ void em_picture_free(struct em_picture *picture) {
     em_spheres_clear(&picture->spheres, picture->gl);
   }
   if (picture->ground != NULL) cairo_surface_destroy(picture->ground);
+  if (picture->legend != NULL) cairo_surface_destroy(picture->legend);
   if (picture->sheet != NULL) cairo_surface_destroy(picture->sheet);
   em_canvas_free(picture->canvas);
   em_occlusion_clear(&picture->occlusion);

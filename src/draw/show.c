@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TRAIL_POINTS = 240 };
+/* A trail is a row of beads, so close that they touch: where the ball went a fifth of its radius,
+ * but no more than TRAIL_POINTS of them. */
+enum { TRAIL_POINTS = 16384, LEAST_POINTS = 100 };
+static const double SPACING = 0.2;
 
 struct point {
   double time;
@@ -15,6 +18,7 @@ struct em_show {
   const struct em_run_file *file;
   struct em_show_options options;
   struct em_motion *motion;
+  double trail_time;   /* s, how long trails are: not longer than the run */
   double trailed;      /* s: trails are known up to here */
   size_t points;       /* per ball, in a ring */
   struct point *trail; /* trail_count × TRAIL_POINTS */
@@ -54,6 +58,7 @@ enum em_status em_show_new(struct em_show **show, const struct em_run_file *file
     em_show_free(made);
     return status;
   }
+  made->trail_time = fmin(options->trail_time, em_show_last(made) - em_show_first(made));
   *show = made;
   return EM_OK;
 }
@@ -83,18 +88,33 @@ size_t em_show_bead_room(const struct em_show *show) {
          (show->options.mark_time > 0.0 ? EM_SHOW_MARKS : 0);
 }
 
-/* Follows the trails up to a time, in steps of which a trail has TRAIL_POINTS. */
+/* The time in which the fastest of the balls goes from one bead to the next. */
+static double step_from(const struct em_show *show, const struct em_balls *balls) {
+  double step = show->trail_time / LEAST_POINTS;
+  for (size_t k = 0; k < show->options.trail_count; k++) {
+    struct em_vec place, velocity;
+    em_motion_ball(show->motion, show->options.trail[k], &place, &velocity);
+    const double speed = em_vec_norm(velocity);
+    const double way = SPACING * balls->radius[show->options.trail[k]];
+    if (speed * step > way) step = way / speed;
+  }
+  return fmax(step, show->trail_time / TRAIL_POINTS);
+}
+
+/* Follows the trails up to a time. */
 static enum em_status follow(struct em_show *show, double time, struct em_error *err) {
-  const double step = show->options.trail_time / TRAIL_POINTS;
-  if (show->options.trail_count == 0 || step <= 0.0) return EM_OK;
-  const double begin = fmax(em_show_first(show), time - show->options.trail_time);
+  if (show->options.trail_count == 0 || show->trail_time <= 0.0) return EM_OK;
+  const double begin = fmax(em_show_first(show), time - show->trail_time);
   if (show->trailed > time || show->trailed < begin) { /* a jump: begin anew */
     show->trailed = begin;
     show->points = 0;
   }
-  while (show->trailed + step <= time) {
+  enum em_status status = em_motion_seek(show->motion, show->trailed, err);
+  if (status != EM_OK) return status;
+  const struct em_balls *balls = em_motion_balls(show->motion);
+  for (double step; (step = step_from(show, balls)) <= time - show->trailed;) {
     show->trailed += step;
-    const enum em_status status = em_motion_seek(show->motion, show->trailed, err);
+    status = em_motion_seek(show->motion, show->trailed, err);
     if (status != EM_OK) return status;
     for (size_t k = 0; k < show->options.trail_count; k++) {
       struct point *p = &show->trail[k * TRAIL_POINTS + show->points % TRAIL_POINTS];
@@ -107,22 +127,31 @@ static enum em_status follow(struct em_show *show, double time, struct em_error 
   return EM_OK;
 }
 
-/* A trail is a row of beads that thins out towards its end. */
+/* A trail thins out towards its end, or towards the begin of the run. */
 static size_t string_beads(const struct em_show *show, double time, const struct em_balls *balls) {
   const size_t known = show->points < TRAIL_POINTS ? show->points : TRAIL_POINTS;
+  const double length = fmin(show->trail_time, time - em_show_first(show));
   size_t count = 0;
   for (size_t k = 0; k < show->options.trail_count; k++) {
     const uint8_t *c = em_colour_cycle((unsigned)k + 1);
     const double radius = balls->radius[show->options.trail[k]];
     for (size_t j = 0; j < known; j++) {
       const struct point *p = &show->trail[k * TRAIL_POINTS + j];
-      const double age = (time - p->time) / show->options.trail_time;
-      if (age < 0.0 || age > 1.0) continue;
-      show->bead[count++] =
-          (struct em_picture_bead){p->place, radius * (0.50 - 0.38 * age), {c[0], c[1], c[2]}};
+      const double age = (time - p->time) / length;
+      if (!(age >= 0.0 && age <= 1.0)) continue;
+      show->bead[count++] = (struct em_picture_bead){
+          p->place, radius * (0.45 - 0.30 * age), {c[0], c[1], c[2]}, false};
     }
   }
   return count;
+}
+
+/* The discs of collisions fit between the smallest balls. */
+static size_t mark(struct em_show *show, size_t beads, const struct em_balls *balls) {
+  double radius = balls->radius[0];
+  for (size_t k = 1; k < balls->count; k++)
+    radius = fmin(radius, balls->radius[k]);
+  return em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS, 0.6 * radius);
 }
 
 enum em_status em_show_at(struct em_show *show, double time, struct em_picture_state *state,
@@ -131,17 +160,17 @@ enum em_status em_show_at(struct em_show *show, double time, struct em_picture_s
   if (status == EM_OK) status = em_motion_seek(show->motion, time, err);
   if (status != EM_OK) return status;
   const struct em_balls *balls = em_motion_balls(show->motion);
-  size_t beads = string_beads(show, time, balls);
-  if (show->options.mark_time > 0.0)
-    beads +=
-        em_motion_marks(show->motion, show->bead + beads, EM_SHOW_MARKS, 0.6 * balls->radius[0]);
+  const size_t beads = string_beads(show, time, balls);
+  const size_t marks = show->options.mark_time > 0.0 ? mark(show, beads, balls) : 0;
+  const size_t marked = marks < EM_SHOW_MARKS ? marks : EM_SHOW_MARKS;
   *state = (struct em_picture_state){
       .balls = balls,
       .time = fmin(fmax(time, em_show_first(show)), em_show_last(show)),
       .blade_angle = em_motion_blades(show->motion),
       .last = em_motion_classes(show->motion),
-      .bead_count = beads,
+      .bead_count = beads + marked,
       .bead = show->bead,
+      .unmarked = marks - marked,
   };
   return EM_OK;
 }

@@ -3,7 +3,7 @@
  * around that circle covers the silhouette and nothing else needs rays. Rays start at the square,
  * so that the quadratic works with lengths of the size of r and loses no digits. A pixel that the
  * silhouette cuts is covered in part and lets through what is behind: spheres have to come farthest
- * first. */
+ * first. Discs are spheres without light and shade. */
 #include "draw/spheres.h"
 
 #include <stddef.h>
@@ -24,11 +24,13 @@ static const char vertex[] =
     "flat out vec3 base;\n"
     "out vec3 start;\n" /* from the centre to the square */
     "out vec2 place;\n" /* on the square; 1: the silhouette */
+    "flat out int disc;\n"
     "void main() {\n"
     "  centre = (view * vec4(sphere.xyz, 1.0)).xyz;\n"
     "  radius = sphere.w;\n"
     "  shade = vec4(mat3(view) * occlusion.xyz, occlusion.w);\n"
     "  base = colour.rgb * colour.rgb;\n"
+    "  disc = colour.a < 0.5 ? 1 : 0;\n"
     "  place = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * 1.04;\n"
     "  vec3 back = parallel != 0 ? vec3(0, 0, 1) : -normalize(centre);\n"
     "  float q = parallel != 0 ? 0.0 : radius * radius / dot(centre, centre);\n"
@@ -40,12 +42,14 @@ static const char vertex[] =
     "}\n";
 
 static const char fragment[] =
+    "const float RIM = 0.7;\n"
     "flat in vec3 centre;\n"
     "flat in float radius;\n"
     "flat in vec4 shade;\n"
     "flat in vec3 base;\n"
     "in vec3 start;\n"
     "in vec2 place;\n"
+    "flat in int disc;\n"
     "uniform mat4 projection;\n"
     "uniform int parallel;\n"
     "out vec4 colour;\n"
@@ -55,11 +59,12 @@ static const char fragment[] =
     "  if (cover <= 0.0) discard;\n"
     "  vec3 u = parallel != 0 ? vec3(0, 0, -1) : normalize(centre + start);\n"
     "  float b = dot(start, u);\n"
-    "  float disc = max(b * b - dot(start, start) + radius * radius, 0.0);\n"
-    "  vec3 hit = start - (b + sqrt(disc)) * u;\n"
+    "  float root = sqrt(max(b * b - dot(start, start) + radius * radius, 0.0));\n"
+    "  vec3 hit = start - (b + root) * u;\n"
     "  vec3 n = normalize(hit);\n"
     "  float open = 1.0 / (1.0 + 1.7 * max(shade.w + dot(shade.xyz, n), 0.0));\n"
     "  vec3 c = lit(base, n, -u, open, 0.16);\n"
+    "  if (disc != 0) c = away < RIM ? base : vec3(1);\n"
     "  colour = vec4(min(sqrt(c), 1.0), 1.0) * cover;\n"
     "  float z = centre.z + hit.z;\n"
     "  float w = parallel != 0 ? 1.0 : -z;\n"

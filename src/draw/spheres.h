@@ -15,7 +15,8 @@ struct em_spheres {
 enum em_status em_spheres_make(struct em_spheres *spheres, const struct em_gl *gl,
                                struct em_error *err);
 
-/* Draws spheres, which must come farthest first. */
+/* Draws spheres, which must come farthest first; those with an alpha of 0 as discs
+ * with a white rim. */
 void em_spheres_draw(const struct em_spheres *spheres, const struct em_gl *gl,
                      const struct em_camera_aim *aim, const struct em_sphere *sphere, size_t count);
 void em_spheres_clear(struct em_spheres *spheres, const struct em_gl *gl);

@@ -129,7 +129,9 @@ static const struct em_millpost_option options[] = {
      NULL, 0, read_trail},
     OPTION("trail-time", "T", "how long a trail is, in seconds; default: 0.05", POSITIVE,
            show.trail_time),
-    OPTION("marks", "T", "mark the collisions of the last T seconds (needs a collision table)",
+    OPTION("marks", "T",
+           "mark the collisions of the last T seconds, at most 4000 (needs a collision\n"
+           "                     table)",
            POSITIVE, show.mark_time),
     OPTION("smooth", "N", "samples per pixel each way, 1 to 4; default: 2 for frames, 1 for film",
            WHOLE, smooth),
@@ -239,5 +241,6 @@ struct em_picture_options em_millpost_look_picture(const struct em_millpost_look
   o.hide_legend = look->hide.legend;
   o.histogram = !look->hide.histogram;
   o.dark = look->dark;
+  o.marked = look->show.mark_time;
   return o;
 }

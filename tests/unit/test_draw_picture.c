@@ -9,6 +9,7 @@
 #include "draw_mill.h"
 #include "eventmill/motion.h"
 #include "eventmill/recorder.h"
+#include "eventmill/show.h"
 
 enum { WIDTH = 320, HEIGHT = 180, BYTES = 4 * WIDTH * HEIGHT };
 
@@ -95,6 +96,49 @@ static void every_option_shows(void **state) {
     }
     draw(scene, &o, balls, other);
     assert_true(difference(plain, other) > (kind == 4 ? 20 : 100));
+  }
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+/* The legend lies on the mill: the colour bar looks the same with balls behind it. */
+static void the_legend_is_on_top(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  static uint8_t far[BYTES], near[BYTES];
+  struct em_picture_options o = options_for(scene, balls);
+  o.histogram = false;
+  draw(scene, &o, balls, far);
+  o.camera.zoom = 4.0;
+  draw(scene, &o, balls, near);
+  assert_true(difference(far, near) > BYTES / 16);
+  const double scale = 0.62, x = WIDTH - scale * 89.0; /* amid the bar */
+  for (int y = HEIGHT / 3; y < HEIGHT * 3 / 4; y++)
+    for (int c = 0; c < 3; c++) {
+      const int at = 4 * (WIDTH * y + (int)x) + c;
+      assert_true(abs(far[at] - near[at]) <= 2);
+    }
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
+/* A picture of some of the balls says so: it differs even where none is in sight. */
+static void a_choice_is_told(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  static uint8_t all[BYTES], some[BYTES];
+  struct em_picture_options o = options_for(scene, balls);
+  for (int kind = 0; kind < 2; kind++) {
+    o = options_for(scene, balls);
+    o.camera.zoom = 1e-3;
+    draw(scene, &o, balls, all);
+    o.limit = kind == 0 ? 20 : 0;
+    o.show_low = kind == 0 ? 0.0 : 0.1;
+    o.show_high = kind == 0 ? 0.0 : 100.0;
+    draw(scene, &o, balls, some);
+    assert_true(difference(all, some) > 50);
   }
   em_start_free(balls);
   em_scene_free(scene);
@@ -234,6 +278,39 @@ static void paths_between_frames_are_exact(void **state) {
   em_run_file_close(b);
 }
 
+/* Trails are closed lines over all the time there is; marks are the latest, and the others counted.
+ */
+static void trails_and_marks_are_complete(void **state) {
+  (void)state;
+  const char *path = draw_path("trails.h5");
+  static const char *const many[] = {"balls.count=400", "gravity=[0.0, 0.0, 0.0]"};
+  record(path, 2, many);
+  struct em_run_file *run;
+  struct em_error err = {0};
+  struct em_show *show;
+  struct em_picture_state s;
+  const struct em_show_options trail = {.trail_count = 1, .trail = {7}, .trail_time = 10.0};
+  const struct em_show_options marks = {.mark_time = 1.0};
+  assert_int_equal(em_run_file_open(&run, path, &err), EM_OK);
+  assert_int_equal(em_show_new(&show, run, &trail, &err), EM_OK);
+  assert_int_equal(em_show_at(show, 0.05, &s, &err), EM_OK);
+  double longest = 0.0, length = 0.0;
+  for (size_t k = 1; k < s.bead_count; k++) {
+    const double step = em_vec_norm(em_vec_sub(s.bead[k].place, s.bead[k - 1].place));
+    longest = fmax(longest, step);
+    length += step;
+  }
+  assert_true(length > 0.02);
+  assert_true(longest < 0.5 * 0.002);
+  em_show_free(show);
+  assert_int_equal(em_show_new(&show, run, &marks, &err), EM_OK);
+  assert_int_equal(em_show_at(show, 0.05, &s, &err), EM_OK);
+  assert_int_equal(s.bead_count, EM_SHOW_MARKS);
+  assert_true(s.unmarked > 0 && s.bead[0].disc);
+  em_show_free(show);
+  em_run_file_close(run);
+}
+
 /* Without a table: through the frames, inside the drum, and steady. */
 static void paths_without_a_table_stay_inside(void **state) {
   static const char *const plain[] = {"record.collisions=false", "record.frames=100"};
@@ -346,10 +423,13 @@ static int clean(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_option_shows),
+      cmocka_unit_test(the_legend_is_on_top),
+      cmocka_unit_test(a_choice_is_told),
       cmocka_unit_test(a_smoother_picture_is_the_same_picture),
       cmocka_unit_test(a_triple_shows_motion),
       cmocka_unit_test(bad_pictures_are_refused),
       cmocka_unit_test(paths_between_frames_are_exact),
+      cmocka_unit_test(trails_and_marks_are_complete),
       cmocka_unit_test(paths_without_a_table_stay_inside),
       cmocka_unit_test(corners_of_facets_are_shown),
       cmocka_unit_test(facets_are_drawn),
