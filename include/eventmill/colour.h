@@ -1,6 +1,6 @@
 /* Colour maps with even steps: computed in OKLab (Ottosson 2020), where equal distances look equal.
  * Along each map of one direction the lightness rises steadily, so that it survives grey printing
- * and colour blindness. */
+ * and colour blindness. Balance is even on each side of its white middle. */
 #ifndef EVENTMILL_COLOUR_H
 #define EVENTMILL_COLOUR_H
 

@@ -20,8 +20,8 @@ static const struct station ember[] = {
 };
 static const struct station grey[] = {{0.25, 0, 0}, {0.95, 0, 0}};
 static const struct station balance[] = {
-    {0.40, 0.150, 255}, {0.70, 0.110, 245}, {0.96, 0.005, 250},
-    {0.96, 0.005, 40},  {0.70, 0.140, 35},  {0.45, 0.180, 25},
+    {0.40, 0.150, 255}, {0.70, 0.110, 245}, {0.96, 0, 245},
+    {0.96, 0, 35},      {0.70, 0.140, 35},  {0.45, 0.180, 25},
 };
 
 struct lab {
@@ -97,8 +97,8 @@ static double distance(struct lab p, struct lab q) {
   return sqrt((p.l - q.l) * (p.l - q.l) + (p.a - q.a) * (p.a - q.a) + (p.b - q.b) * (p.b - q.b));
 }
 
-/* Walks the path in EM_COLOUR_STEPS places with equal distances between them. */
-static void walk(const struct station *station, size_t count, struct em_colour_map *map) {
+/* Walks the path in so many places with equal distances between them. */
+static void walk(const struct station *station, size_t count, uint8_t (*rgb)[3], int steps) {
   enum { FINE = 4096 };
   double whole = 0.0;
   struct lab before = path_at(station, count, 0.0);
@@ -110,35 +110,37 @@ static void walk(const struct station *station, size_t count, struct em_colour_m
   double gone = 0.0;
   int fine = 0;
   before = path_at(station, count, 0.0);
-  for (int n = 0; n < EM_COLOUR_STEPS; n++) {
-    const double goal = whole * n / (EM_COLOUR_STEPS - 1);
+  for (int n = 0; n < steps; n++) {
+    const double goal = whole * n / (steps - 1);
     while (fine < FINE && gone < goal) {
       const struct lab here = path_at(station, count, ++fine / (double)FINE);
       gone += distance(before, here);
       before = here;
     }
-    double rgb[3];
-    linear_from_lab(before, rgb);
+    double light[3];
+    linear_from_lab(before, light);
     for (int k = 0; k < 3; k++)
-      map->rgb[n][k] = encode(rgb[k]);
+      rgb[n][k] = encode(light[k]);
   }
 }
 
 void em_colour_make(enum em_colour which, struct em_colour_map *map) {
   switch (which) {
   case EM_COLOUR_EMBER:
-    walk(ember, COUNT(ember), map);
+    walk(ember, COUNT(ember), map->rgb, EM_COLOUR_STEPS);
     break;
   case EM_COLOUR_GREY:
-    walk(grey, COUNT(grey), map);
+    walk(grey, COUNT(grey), map->rgb, EM_COLOUR_STEPS);
     break;
   case EM_COLOUR_BALANCE:
-    walk(balance, COUNT(balance), map);
+    /* Each side by itself, so that the middle is white. */
+    walk(balance, 3, map->rgb, EM_COLOUR_STEPS / 2);
+    walk(balance + 3, 3, map->rgb + EM_COLOUR_STEPS / 2, EM_COLOUR_STEPS / 2);
     break;
   case EM_COLOUR_LAGOON:
   case EM_COLOUR_COUNT:
   default:
-    walk(lagoon, COUNT(lagoon), map);
+    walk(lagoon, COUNT(lagoon), map->rgb, EM_COLOUR_STEPS);
   }
 }
 

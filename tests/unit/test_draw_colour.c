@@ -82,6 +82,11 @@ static void the_middle_of_a_difference_is_white(void **state) {
   to_lab(map.rgb[EM_COLOUR_STEPS - 1], high);
   assert_true(middle[0] > 92.0 && fabs(middle[1]) < 6.0 && fabs(middle[2]) < 6.0);
   assert_true(low[2] < -30.0 && high[1] > 40.0); /* blue, red */
+  /* Both entries of the middle are without hue, and as far from their end. */
+  for (int k = 127; k <= 128; k++) {
+    to_lab(map.rgb[k], middle);
+    assert_true(middle[0] > 92.0 && hypot(middle[1], middle[2]) < 0.5);
+  }
 }
 
 static void values_find_their_entry(void **state) {
