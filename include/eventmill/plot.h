@@ -39,8 +39,8 @@ struct em_plot_mark {
   const char *name; /* written beside it; NULL: none */
 };
 
-/* A diagram; zero is the default of everything. Labels carry their units: "v_n  [m/s]". Texts are
- * UTF-8 and taken literally. */
+/* A diagram of up to 32 curves; zero is the default of everything. Labels carry their units: "v_n
+ * [m/s]". Texts are UTF-8 and taken literally. */
 struct em_plot {
   const char *title;    /* what is shown */
   const char *subtitle; /* scene and operating point: see em_plot_subtitle */
@@ -54,7 +54,6 @@ struct em_plot {
   const struct em_plot_mark *mark;
   const char *const *category; /* names at x = 0, 1, …; NULL: numbers */
   size_t category_count;
-  bool key_left;     /* legend at the top left instead of the top right */
   int width, height; /* pixels; 0: 1200 × 750 */
 };
 
@@ -90,7 +89,8 @@ struct em_plot_map {
   bool equal;        /* one metre is as long along x as along y; always so for polar maps */
   bool log_value;    /* values ≤ 0 are left blank */
   bool diverging;    /* blue – white – red about 0, for differences */
-  double low, high;  /* range of colours; both 0: from the data */
+  double low, high;  /* range of colours; both 0: from the data; where values go beyond it, the end
+                        of the colour bar is pointed */
   int width, height; /* pixels; 0: 1000 × 900 */
 };
 
@@ -106,8 +106,10 @@ enum em_status em_plot_bars(const struct em_plot_bars *bars, const char *path,
 enum em_status em_plot_map(const struct em_plot_map *map, const char *path, struct em_error *err);
 
 /* Writes scene and operating point ("Simoloyer, 2 litres · 1300 rpm · 3500 balls of 5 mm") into
- * text, or the operating point alone; cut to size bytes. Long titles are shortened. */
+ * text; those of several scenes ("Simoloyer, 2 litres · 1300 rpm / 1700 rpm · 3500 balls of 5 mm");
+ * or the operating point alone. Cut to size bytes. Long titles are shortened. */
 void em_plot_subtitle(const struct em_scene *scene, char *text, size_t size);
+void em_plot_subtitles(const struct em_scene *const *scene, size_t count, char *text, size_t size);
 void em_plot_operating_point(const struct em_scene *scene, char *text, size_t size);
 
 #endif

@@ -34,6 +34,7 @@ static void write_style(FILE *out) {
   fputs("set encoding utf8\n"
         "set border 3 lw 1 lc rgb '#5b606b'\n"
         "set tics nomirror out scale 0.6 textcolor rgb '#2b2f36'\n"
+        "set format x '%h'\n" /* no room for a sign: numbers amid their tics */
         "set grid back lt 1 lw 0.8 lc rgb '#e4e7eb'\n"
         "set key top right samplen 2 spacing 1.25 font ',12' textcolor rgb '#2b2f36' noenhanced\n",
         out);

@@ -269,6 +269,7 @@ void em_overlay_ground(cairo_surface_t *surface, const struct em_picture_options
 
 void em_overlay_legend(cairo_surface_t *surface, const struct em_scene *scene,
                        const struct em_picture_options *options, const struct em_colour_map *map) {
+  EM_LOCALE_PLAIN;
   if (!has_legend(options)) return;
   const struct paper p = paper_on(surface, options);
   draw_title(&p, scene, options);

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "draw/gnuplot.h"
+#include "draw/plot_ticks.h"
 #include "eventmill/colour.h"
 #include "eventmill/plot.h"
 #include "num/locale.h"
@@ -49,18 +50,7 @@ static void write_axis(struct em_gnuplot *g, const struct em_plot_bars *bars,
   fprintf(g->out, "set xrange [%.9g:%.9g]\nset xlabel ", a->low, a->high);
   em_gnuplot_string(g, bars->x_label);
   fputs(" noenhanced textcolor rgb '#2b2f36'\n", g->out);
-  if (!a->log) return;
-  static const double steps[] = {1.0, 2.0, 5.0};
-  const char *between = "";
-  fputs("set logscale x\nset xtics (", g->out);
-  for (double ten = pow(10.0, floor(log10(a->low))); ten < a->high; ten *= 10.0)
-    for (int k = 0; k < 3; k++) {
-      const double at = steps[k] * ten;
-      if (at < a->low || at > a->high) continue;
-      fprintf(g->out, "%s'%g' %.9g", between, at, at);
-      between = ", ";
-    }
-  fputs(")\n", g->out);
+  if (a->log) em_plot_log_ticks(g, "x", a->low, a->high);
 }
 
 /* Beyond the bar and its range, on the side to which it points. */

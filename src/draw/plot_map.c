@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "draw/gnuplot.h"
+#include "draw/plot_ticks.h"
 #include "eventmill/colour.h"
 #include "eventmill/plot.h"
 #include "num/locale.h"
@@ -10,8 +11,8 @@ static bool is_shown(const struct em_plot_map *map, double value) {
   return isfinite(value) && (!map->log_value || value > 0.0);
 }
 
-/* The range of colours; false when no cell has a value. */
-static bool range_of(const struct em_plot_map *map, double *low, double *high) {
+/* The least and the largest value; false when no cell has one. */
+static bool ends_of(const struct em_plot_map *map, double *low, double *high) {
   *low = INFINITY;
   *high = -INFINITY;
   for (size_t k = 0; k < map->cell_count; k++) {
@@ -20,7 +21,12 @@ static bool range_of(const struct em_plot_map *map, double *low, double *high) {
     *low = fmin(*low, v);
     *high = fmax(*high, v);
   }
-  if (!(*low <= *high)) return false;
+  return *low <= *high;
+}
+
+/* The range of colours; false when no cell has a value. */
+static bool range_of(const struct em_plot_map *map, double *low, double *high) {
+  if (!ends_of(map, low, high)) return false;
   if (map->low < map->high) {
     *low = map->low;
     *high = map->high;
@@ -37,9 +43,13 @@ static bool range_of(const struct em_plot_map *map, double *low, double *high) {
   return true;
 }
 
+static void make_colours(const struct em_plot_map *map, struct em_colour_map *colours) {
+  em_colour_make(map->diverging ? EM_COLOUR_BALANCE : EM_COLOUR_LAGOON, colours);
+}
+
 static void write_palette(FILE *out, const struct em_plot_map *map) {
   struct em_colour_map colours;
-  em_colour_make(map->diverging ? EM_COLOUR_BALANCE : EM_COLOUR_LAGOON, &colours);
+  make_colours(map, &colours);
   fputs("set palette maxcolors 0\nset palette defined (", out);
   for (int k = 0; k < EM_COLOUR_STEPS; k += 3) {
     const uint8_t *c = colours.rgb[k];
@@ -101,6 +111,32 @@ static void write_label(struct em_gnuplot *g, const char *axis, const char *labe
   fprintf(g->out, " noenhanced textcolor rgb '#2b2f36' %s\n", more);
 }
 
+/* The colour bar; it is pointed where values go beyond its end. */
+static void write_bar(struct em_gnuplot *g, const struct em_plot_map *map, double low,
+                      double high) {
+  static const double left = 0.860, right = 0.882, bottom = 0.16, top = 0.80, tip = 0.018;
+  double least, most;
+  if (map->log_value) em_plot_log_ticks(g, "cb", low, high);
+  fprintf(g->out,
+          "set cbrange [%.9g:%.9g]\nset linetype 101 lw 1 lc rgb '#5b606b'\n"
+          "set colorbox vertical user origin screen %g,%g size screen %g,%g border 101\n",
+          low, high, left, bottom, right - left, top - bottom);
+  ends_of(map, &least, &most);
+  struct em_colour_map colours;
+  make_colours(map, &colours);
+  for (int up = 0; up < 2; up++) {
+    const double slack = 1e-9 * (high - low);
+    if (up ? most <= high + slack : least >= low - slack) continue;
+    const double from = up ? top : bottom, to = up ? top + tip : bottom - tip;
+    const uint8_t *c = colours.rgb[up ? EM_COLOUR_STEPS - 1 : 0];
+    fprintf(g->out,
+            "set object %d polygon from screen %g,%g to screen %g,%g to screen %g,%g to screen "
+            "%g,%g fillstyle solid border lc rgb '#5b606b' fillcolor rgb '#%02x%02x%02x'\n",
+            up + 1, left, from, right, from, 0.5 * (left + right), to, left, from, c[0], c[1],
+            c[2]);
+  }
+}
+
 enum em_status em_plot_map(const struct em_plot_map *map, const char *path, struct em_error *err) {
   EM_LOCALE_PLAIN;
   struct em_gnuplot g;
@@ -117,16 +153,12 @@ enum em_status em_plot_map(const struct em_plot_map *map, const char *path, stru
   write_label(&g, "y", map->y_label, "");
   write_label(&g, "cb", map->value_label, "offset 0.5,0");
   write_ranges(g.out, map);
-  if (map->log_value) fputs("set logscale cb\nset format cb '10^{%T}'\n", g.out);
-  fprintf(g.out, "set cbrange [%.9g:%.9g]\n", low, high);
+  write_bar(&g, map, low, high);
   fprintf(g.out, "set tmargin at screen %.3f\n", EM_GNUPLOT_TOP);
   if (map->polar || map->equal) fputs("set size ratio -1\n", g.out);
   fputs("unset grid\nunset key\nset view map\nset border 3\n"
         "set bmargin at screen 0.10\n"
         "set lmargin at screen 0.11\nset rmargin at screen 0.82\n"
-        "set linetype 101 lw 1 lc rgb '#5b606b'\n"
-        "set colorbox vertical user origin screen 0.86,0.16 size screen 0.022,0.64 "
-        "border 101\n"
         "set pm3d explicit corners2color c1\n"
         /* Twice: the smoothed edges of neighbours let the ground through. */
         "splot $cells using 1:2:3 with pm3d, $cells using 1:2:3 with pm3d\n",

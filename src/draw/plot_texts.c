@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "draw/plot_room.h"
+
 /* The diagram's area, in shares of the picture. */
 static const double LEFT = 0.085, RIGHT = 0.97, BOTTOM = 0.115;
 /* Pixels: of a letter and a line of the font; of a point; between them; steps away from a point. */
@@ -28,13 +30,6 @@ struct words {
 
 static double share(double value, double low, double high, bool log) {
   return log ? log10(value / low) / log10(high / low) : (value - low) / (high - low);
-}
-
-static double letters(const char *text) {
-  double n = 0.0;
-  for (const char *c = text; *c != '\0'; c++)
-    n += ((unsigned char)*c & 0xC0) != 0x80; /* UTF-8 */
-  return n;
 }
 
 static bool overlap(const struct box *a, const struct box *b) {
@@ -71,7 +66,7 @@ static bool is_free(const struct words *w, size_t count, size_t k, const struct 
 
 /* Puts words so many pixels above their point, to its right or left. */
 static void put(struct words *w, double above, bool left) {
-  const double width = LETTER * letters(w->text);
+  const double width = LETTER * em_plot_room_letters(w->text);
   w->leads = above != 0.0;
   const double away = w->leads ? LEADER : GAP;
   const double start = left ? w->x - away - width : w->x + away;

@@ -22,7 +22,7 @@ static const struct em_millpost_help help = {
         "correlation\n"
         "in time. Runs go by the names of their files, or by their paths where these are alike. "
         "-o\n"
-        "draws all figures relative to the first run.",
+        "draws the main ones relative to the first run.",
     .examples = "  millpost compare plain.h5 ramps.h5\n"
                 "  millpost compare 1000rpm.h5 1300rpm.h5 1700rpm.h5 --above 2 -o compare.png",
     .options = option_names,
@@ -140,12 +140,14 @@ static const struct {
 enum { HEADLINES = sizeof headlines / sizeof *headlines };
 
 /* One group of points per run, at the place of each figure on the axis. */
-static enum em_status draw(const struct em_figures *f, char label[][LABEL], int runs,
-                           double threshold, const char *path, struct em_error *err) {
+static enum em_status draw(const struct em_figures *f, struct em_run_file *const *file,
+                           char label[][LABEL], int runs, double threshold, const char *path,
+                           struct em_error *err) {
   struct em_plot_series series[MOST_RUNS];
   double x[MOST_RUNS][HEADLINES], y[MOST_RUNS][HEADLINES], half[MOST_RUNS][HEADLINES];
   const char *name[HEADLINES];
-  char subtitle[160];
+  const struct em_scene *scene[MOST_RUNS];
+  char subtitle[480], title[96];
   size_t count = 0;
   for (int h = 0; h < HEADLINES; h++) {
     const int k = (int)headlines[h].kind;
@@ -159,8 +161,11 @@ static enum em_status draw(const struct em_figures *f, char label[][LABEL], int 
     }
     count++;
   }
-  snprintf(subtitle, sizeof subtitle,
-           "relative to the first run, with confidence intervals; threshold %g m/s", threshold);
+  for (int r = 0; r < runs; r++)
+    scene[r] = em_run_file_scene(file[r]);
+  em_plot_subtitles(scene, (size_t)runs, subtitle, sizeof subtitle);
+  snprintf(title, sizeof title, "Key figures relative to the first run; threshold %g m/s",
+           threshold);
   for (int r = 0; r < runs; r++)
     series[r] = (struct em_plot_series){.name = label[r],
                                         .style = EM_PLOT_POINTS,
@@ -169,7 +174,7 @@ static enum em_status draw(const struct em_figures *f, char label[][LABEL], int 
                                         .y = y[r],
                                         .error = half[r]};
   const struct em_plot_mark mark = {100.0, true, NULL};
-  const struct em_plot plot = {.title = "Key figures",
+  const struct em_plot plot = {.title = title,
                                .subtitle = subtitle,
                                .y_label = "figure / that of the first run  [%]",
                                .series_count = (size_t)runs,
@@ -187,6 +192,7 @@ int em_millpost_compare(int argc, char **argv) {
   if (code >= 0) return code;
   const double threshold = isnan(o.above) ? 3.0 : o.above;
   struct em_figures figures[MOST_RUNS];
+  struct em_run_file *run[MOST_RUNS] = {NULL};
   char label[MOST_RUNS][LABEL];
   struct em_error err = {.code = EM_OK};
   struct em_report *report = em_report_new("compare");
@@ -195,11 +201,9 @@ int em_millpost_compare(int argc, char **argv) {
   enum em_status status = EM_OK;
   name_runs(label, o.run, o.run_count);
   for (int r = 0; r < o.run_count && status == EM_OK; r++) {
-    struct em_run_file *run = NULL;
-    status = em_millpost_open(&run, o.run[r], &err);
+    status = em_millpost_open(&run[r], o.run[r], &err);
     if (status == EM_OK)
-      status = em_figures_read(&figures[r], run, o.from, o.to, threshold, o.level, &err);
-    em_run_file_close(run);
+      status = em_figures_read(&figures[r], run[r], o.from, o.to, threshold, o.level, &err);
     if (status != EM_OK) break;
     window_fact(report, label[r], &figures[r]);
   }
@@ -209,8 +213,10 @@ int em_millpost_compare(int argc, char **argv) {
     for (int k = 0; k < EM_FIGURES_COUNT; k++)
       if (is_known(figures, o.run_count, k))
         row(report, figures, o.run_count, k, (1.0 - o.level) / (tests > 0 ? tests : 1));
-    if (o.out) status = draw(figures, label, o.run_count, threshold, o.out, &err);
+    if (o.out) status = draw(figures, run, label, o.run_count, threshold, o.out, &err);
   }
+  for (int r = 0; r < o.run_count; r++)
+    em_run_file_close(run[r]);
   if (status == EM_OK) return em_millpost_print(report, &o, EM_MILLPOST_DONE);
   em_report_free(report);
   return em_millpost_fail(&err);

@@ -280,7 +280,12 @@ static enum em_status draw(const struct curve *curve, int count, const struct in
   em_plot_subtitle(em_run_file_scene(in[0].file), subtitle, sizeof subtitle);
   const size_t used = strlen(subtitle);
   snprintf(subtitle + used, sizeof subtitle - used, " · %.3g … %.3g s", gather->from, gather->to);
-  if (runs > 1) snprintf(subtitle, sizeof subtitle, "%d runs", runs);
+  if (runs > 1) {
+    const struct em_scene *scene[MOST_RUNS];
+    for (int r = 0; r < runs; r++)
+      scene[r] = em_run_file_scene(in[r].file);
+    em_plot_subtitles(scene, (size_t)runs, subtitle, sizeof subtitle);
+  }
   em_millpost_classes(o->classes, classes, sizeof classes);
   const size_t end_of_it = strlen(subtitle);
   if (o->classes) snprintf(subtitle + end_of_it, sizeof subtitle - end_of_it, " · %s", classes);

@@ -198,16 +198,16 @@ static size_t fill(struct em_plot_cell *out, double *values, const struct em_fie
   return count;
 }
 
-/* Colours from the 0.5 % to the 99.5 % quantile of the cells that hold at least so many values: the
- * others scatter too much to set the scale. */
+/* Colours from the 0.5 % to the 99.5 % quantile of the cells that hold at least so many values:
+ * means of fewer scatter too much to set the scale. */
 enum { LEAST_VALUES = 10 };
 
-static void colour_range(struct em_plot_map *map, const double *values) {
+static void colour_range(struct em_plot_map *map, const double *values, bool means) {
   double *value = malloc((map->cell_count + 1) * sizeof *value);
   size_t n = 0;
   map->low = map->high = 0.0;
   if (!value) return;
-  for (int least = LEAST_VALUES; n == 0 && least >= 0; least -= LEAST_VALUES)
+  for (int least = means ? LEAST_VALUES : 0; n == 0 && least >= 0; least -= LEAST_VALUES)
     for (size_t k = 0; k < map->cell_count; k++)
       if (isfinite(map->cell[k].value) && values[k] >= least)
         value[n++] = map->diverging ? fabs(map->cell[k].value) : map->cell[k].value;
@@ -247,10 +247,11 @@ static void titles(struct em_plot_map *map, const struct em_field *field,
   map->log_value = !map->diverging && !o->spread && !em_field_is_mean(field->of);
 }
 
-static enum em_status draw_slice(const struct em_run_file *run, const struct em_field *field,
-                                 const struct em_field *minus, const struct em_millpost_options *o,
-                                 size_t slice, const char *path, struct em_error *err) {
-  char title[160], value[160], subtitle[400], classes[EM_MILLPOST_CLASSES];
+static enum em_status draw_slice(const struct em_run_file *run, const struct em_run_file *other,
+                                 const struct em_field *field, const struct em_field *minus,
+                                 const struct em_millpost_options *o, size_t slice,
+                                 const char *path, struct em_error *err) {
+  char title[160], value[160], subtitle[640], classes[EM_MILLPOST_CLASSES];
   struct em_plot_map map = {.width = 0};
   struct em_plot_cell *cell = malloc(2 * field->cells->per_slice * sizeof *cell);
   double *values = malloc(2 * field->cells->per_slice * sizeof *values);
@@ -265,7 +266,9 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
     char a[96], b[96];
     em_millpost_label(o->run[0], a, sizeof a);
     em_millpost_label(o->minus, b, sizeof b);
-    snprintf(subtitle, sizeof subtitle, "%s minus %s", a, b);
+    const struct em_scene *const both[] = {em_run_file_scene(run), em_run_file_scene(other)};
+    const int length = snprintf(subtitle, sizeof subtitle, "%s minus %s · ", a, b);
+    em_plot_subtitles(both, 2, subtitle + length, sizeof subtitle - (size_t)length);
   }
   em_millpost_classes(o->classes, classes, sizeof classes);
   size_t used = strlen(subtitle);
@@ -277,7 +280,7 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
   map.subtitle = subtitle;
   map.cell = cell;
   map.cell_count = fill(cell, values, field, minus, o, slice);
-  colour_range(&map, values);
+  colour_range(&map, values, em_field_is_mean(field->of));
   if (map.log_value && !(map.low > 0.0)) map.low = map.high = 0.0;
   const enum em_status status = em_plot_map(&map, path, err);
   free(cell);
@@ -285,15 +288,16 @@ static enum em_status draw_slice(const struct em_run_file *run, const struct em_
   return status;
 }
 
-static enum em_status draw(const struct em_run_file *run, const struct em_field *field,
-                           const struct em_field *minus, const struct em_millpost_options *o,
-                           struct em_error *err) {
+static enum em_status draw(const struct em_run_file *run, const struct em_run_file *other,
+                           const struct em_field *field, const struct em_field *minus,
+                           const struct em_millpost_options *o, struct em_error *err) {
   enum em_status status = EM_OK;
   for (size_t s = 0; s < field->cells->slices && status == EM_OK; s++) {
     char path[EM_SCENE_PATH], tag[32];
     snprintf(tag, sizeof tag, "%zu", s + 1);
     em_output_name(path, sizeof path, o->out, tag, NULL);
-    status = draw_slice(run, field, minus, o, s, field->cells->slices > 1 ? path : o->out, err);
+    status =
+        draw_slice(run, other, field, minus, o, s, field->cells->slices > 1 ? path : o->out, err);
   }
   return status;
 }
@@ -348,7 +352,7 @@ static int run_with(struct input *a, struct input *b, const struct em_millpost_o
     status = read_input(b, o->minus, o, of, &em_run_file_scene(a->run)->chamber, &err);
   if (status == EM_OK && !(a->field->total > 0.0))
     status = em_error_set(&err, EM_INPUT, o->run[0], 0, "nothing falls into the cells");
-  if (status == EM_OK && o->out) status = draw(a->run, a->field, b->field, o, &err);
+  if (status == EM_OK && o->out) status = draw(a->run, b->run, a->field, b->field, o, &err);
   if (status != EM_OK) return em_millpost_fail(&err);
   struct em_report *report = em_report_new("map");
   facts(report, a->field, b->field, o, &a->window, &b->window);

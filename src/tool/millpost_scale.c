@@ -340,8 +340,7 @@ static enum em_status draw(const struct point *point, int count, int groups, int
                                .series_count = used,
                                .series = series,
                                .mark_count = 1,
-                               .mark = &mark,
-                               .key_left = true};
+                               .mark = &mark};
   const enum em_status status = em_plot_draw(&plot, path, err);
   free(cell);
   return status;

@@ -312,7 +312,6 @@ static enum em_status draw_law(const struct em_run_file *run, const struct em_ga
                                .x_label = label,
                                .y_label =
                                    speed && !isnan(gas->sigma) ? "density  [s/m]" : "density",
-                               .key_left = law == EM_DISTRIBUTION_LINEAR,
                                .series_count = 2,
                                .series = series};
   const enum em_status status =

@@ -226,7 +226,7 @@ script() { # PATTERN COMMAND...: is it in the script of the diagram?
 check "a map names its classes" script "· ball-ball, ball-blade" \
   map "$one" --cells sectors --of vn --class ball-ball,ball-blade
 check "a histogram names its class" script "· ball-blade" hist "$one" --class ball-blade
-check "a comparison names its class" script "2 runs · ball-blade" \
+check "a comparison names its class" script "balls of 5 mm · ball-blade" \
   hist "$one" "$plain" --class ball-blade
 windows() { agrees "$one" '
 assert [result[k] for k in ("from", "to", "minus_from", "minus_to")] == [0.1, 0.25, 0.1, 0.25], result

@@ -160,6 +160,99 @@ static void words_do_not_overlap(void **state) {
   free(script);
 }
 
+/* Does a script of this diagram have this text in it? */
+static bool is_written(const struct em_plot *plot, const char *text) {
+  struct em_error err = {0};
+  assert_int_equal(em_plot_draw(plot, draw_path("is.gp"), &err), EM_OK);
+  char *script = read_script(draw_path("is.gp"));
+  const bool found = strstr(script, text) != NULL;
+  free(script);
+  return found;
+}
+
+/* The legend goes to a free corner, else beside the diagram, or below it where it is wide. */
+static void the_legend_lies_on_no_curve(void **state) {
+  const double x[] = {0.0, 1.0, 2.0, 3.0}, rises[] = {0.0, 1.0, 2.0, 3.0};
+  const double low[] = {0.0, 0.1, 0.0, 3.0}, all[] = {0.0, 3.0, 0.0, 3.0};
+  struct em_plot_series s[2] = {
+      {.name = "one", .style = EM_PLOT_LINE, .count = 4, .x = x, .y = low}};
+  struct em_plot plot = {.series_count = 1, .series = s};
+  (void)state;
+  assert_true(is_written(&plot, "set key top left"));
+  s[0].y = rises;
+  assert_true(is_written(&plot, "set key top left"));
+  s[1] = (struct em_plot_series){.style = EM_PLOT_POINTS, .count = 4, .x = x, .y = all};
+  const double down[] = {3.0, 2.0, 1.0, 0.0};
+  s[1].y = down;
+  plot.series_count = 2;
+  assert_true(is_written(&plot, "set key outside right top"));
+  s[0].name = "a name that is as long as that of a mill with its balls, its drum and its speed";
+  assert_true(is_written(&plot, "set key at screen"));
+}
+
+/* The name of a line moves to its other end when a curve crosses it; error bars below 0 do not take
+ * the axis there. */
+static void names_of_lines_are_free(void **state) {
+  const double x[] = {0.0, 1.0, 2.0, 10.0}, y[] = {0.5, 1.5, 3.0, 3.0}, half[] = {0.6, 0, 0, 0};
+  const struct em_plot_series s = {
+      .style = EM_PLOT_BAND, .count = 4, .x = x, .y = y, .error = half};
+  struct em_plot_mark mark = {.at = 1.0, .horizontal = true, .name = "a limit"};
+  const struct em_plot plot = {.series_count = 1, .series = &s, .mark_count = 1, .mark = &mark};
+  (void)state;
+  assert_true(is_written(&plot, "'a limit' at graph 0.98, first 1 right"));
+  mark.at = 0.2;
+  assert_true(is_written(&plot, "'a limit' at graph 0.02, first 0.2 left") ||
+              is_written(&plot, "'a limit' at graph 0.98, first 0.2 right"));
+  assert_true(is_written(&plot, "set yrange [0<*:*]"));
+}
+
+/* More curves than colours have dashes; more than can be told apart are refused. */
+static void many_curves_can_be_told_apart(void **state) {
+  struct em_plot_series s[33];
+  struct em_error err = {0};
+  (void)state;
+  for (int k = 0; k < 33; k++)
+    s[k] = (struct em_plot_series){.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = height};
+  struct em_plot plot = {.series_count = 8, .series = s};
+  assert_false(is_written(&plot, " dt ("));
+  plot.series_count = 9;
+  assert_true(is_written(&plot, " dt ("));
+  plot.series_count = 32;
+  assert_int_equal(em_plot_draw(&plot, draw_path("32.gp"), &err), EM_OK);
+  plot.series_count = 33;
+  assert_int_equal(em_plot_draw(&plot, draw_path("33.gp"), &err), EM_INPUT);
+}
+
+/* A logarithmic colour bar has three numbers or more, however narrow it is, and is pointed where
+ * values go beyond it. */
+static void colour_bars_can_be_read(void **state) {
+  static const double width[] = {1.0, 1.3, 3.0, 9.0, 70.0, 900.0, 1e5};
+  struct em_error err = {0};
+  (void)state;
+  for (int k = 0; k < 7; k++) {
+    const struct em_plot_cell cell[] = {{{0, 0}, {1, 1}, 0.37}, {{1, 0}, {2, 1}, 0.37 * width[k]}};
+    struct em_plot_map map = {.cell_count = 2, .cell = cell, .log_value = true};
+    assert_int_equal(em_plot_map(&map, draw_path("bar.gp"), &err), EM_OK);
+    char *script = read_script(draw_path("bar.gp"));
+    const char *tics = strstr(script, "set cbtics (");
+    int numbers = 0;
+    for (const char *c = tics; c != NULL && *c != ')'; c++)
+      numbers += *c == ',';
+    assert_true(width[k] > 1000.0 ? tics == NULL : numbers >= 2);
+    assert_null(strstr(script, "polygon"));
+    free(script);
+    if (k != 3) continue;
+    map.low = 0.5;
+    map.high = 1.0;
+    assert_int_equal(em_plot_map(&map, draw_path("bar.gp"), &err), EM_OK);
+    script = read_script(draw_path("bar.gp"));
+    assert_non_null(strstr(script, "set object 1 polygon"));
+    assert_non_null(strstr(script, "set object 2 polygon"));
+    free(script);
+    assert_int_equal(em_plot_map(&map, draw_path("bar.png"), &err), EM_OK);
+  }
+}
+
 /* One bar ten times as long as the others leaves them readable: by an axis of logarithms, and by
  * their values. */
 static void bars_are_readable(void **state) {
@@ -256,6 +349,14 @@ static void the_subtitle_tells_the_operating_point(void **state) {
   em_plot_operating_point(scene, text, sizeof text);
   assert_string_equal(text, "2000 rpm · 150 balls of 4 mm");
   em_scene_free(scene);
+  /* Of several scenes: what they share once, the rest side by side. */
+  static const char *const fast[] = {"rotor.rpm=3000"};
+  struct em_scene *const two[] = {draw_scene(DRAW_MILL, 0, NULL), draw_scene(DRAW_MILL, 1, fast)};
+  const struct em_scene *const both[] = {two[0], two[1], two[0]};
+  em_plot_subtitles(both, 3, text, sizeof text);
+  assert_string_equal(text, "small mill · 2000 rpm / 3000 rpm · 150 balls of 4 mm");
+  em_scene_free(two[0]);
+  em_scene_free(two[1]);
   /* A long title leaves room for the rest, and is cut between letters. */
   char title[400] = "title=", whole[256];
   for (int k = 0; k < 100; k++)
@@ -278,6 +379,10 @@ int main(void) {
       cmocka_unit_test(all_styles_are_drawn),
       cmocka_unit_test(texts_are_taken_literally),
       cmocka_unit_test(scripts_can_be_run),
+      cmocka_unit_test(the_legend_lies_on_no_curve),
+      cmocka_unit_test(names_of_lines_are_free),
+      cmocka_unit_test(many_curves_can_be_told_apart),
+      cmocka_unit_test(colour_bars_can_be_read),
       cmocka_unit_test(words_do_not_overlap),
       cmocka_unit_test(bars_are_readable),
       cmocka_unit_test(maps_are_drawn),

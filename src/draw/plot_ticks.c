@@ -1,0 +1,47 @@
+/* Numbers along logarithmic axes: gnuplot's own are powers of ten only. */
+#include "draw/plot_ticks.h"
+
+#include <math.h>
+
+static const double DECADES = 1000.0, NARROW = 4.0;
+
+/* A step of 1, 2 or 5 times a power of ten, with about five of them in the range. */
+static double even_step(double range) {
+  const double raw = range / 5.0, power = pow(10.0, floor(log10(raw))), lead = raw / power;
+  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
+}
+
+static void write_even(FILE *out, double low, double high) {
+  const double step = even_step(high - low);
+  const char *between = "";
+  for (double k = ceil(low / step - 1e-9); k * step <= high * (1.0 + 1e-9); k += 1.0) {
+    fprintf(out, "%s'%.6g' %.9g", between, k * step, k * step);
+    between = ", ";
+  }
+}
+
+static void write_decades(FILE *out, double low, double high) {
+  static const double steps[] = {1.0, 2.0, 5.0};
+  const char *between = "";
+  for (double ten = pow(10.0, floor(log10(low))); ten < high; ten *= 10.0)
+    for (int k = 0; k < 3; k++) {
+      const double at = steps[k] * ten;
+      if (at < low * (1.0 - 1e-9) || at > high * (1.0 + 1e-9)) continue;
+      fprintf(out, "%s'%g' %.9g", between, at, at);
+      between = ", ";
+    }
+}
+
+void em_plot_log_ticks(struct em_gnuplot *script, const char *axis, double low, double high) {
+  fprintf(script->out, "set logscale %s\n", axis);
+  if (high >= DECADES * low) {
+    fprintf(script->out, "set format %s '10^{%%T}'\n", axis);
+    return;
+  }
+  fprintf(script->out, "set %stics (", axis);
+  if (high < NARROW * low)
+    write_even(script->out, low, high);
+  else
+    write_decades(script->out, low, high);
+  fputs(")\n", script->out);
+}
