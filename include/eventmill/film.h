@@ -13,8 +13,9 @@ struct em_film_options {
   size_t frames;
   double fps;       /* frames per second of film */
   double orbit;     /* rad per frame, by which the camera goes round */
-  int workers;      /* processes that draw; 0: one per core; 1: this process alone */
-  int quality;      /* x264's constant rate factor, 0 (best) … 51; 0 stands for 20 */
+  int workers;      /* processes that draw, no more than frames; 0: one per core; 1: this process
+                       alone */
+  int quality;      /* x264's constant rate factor, 1 (best) … 51; 0 stands for 20 */
   size_t bead_room; /* the largest number of beads in a state */
 };
 

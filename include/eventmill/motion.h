@@ -16,7 +16,8 @@
 struct em_motion;
 
 /* Begins with a file that has frames; it must outlive the motion. `memory`: how long (s) contacts
- * are remembered for em_motion_marks. Errors: EM_INPUT (no frames), EM_MEMORY, those of the file.
+ * are remembered for em_motion_marks. Errors: EM_INPUT (no balls, no frames), EM_MEMORY, those of
+ * the file.
  */
 enum em_status em_motion_new(struct em_motion **motion, const struct em_run_file *file,
                              double memory, struct em_error *err);

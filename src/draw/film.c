@@ -78,7 +78,7 @@ static enum em_status check(const struct em_film_options *o, const char *path,
     return em_error_set(err, EM_INPUT, path, 0, "a film of %d x %d pixels; it needs 2 x 2",
                         o->picture.width, o->picture.height);
   if (o->quality < 0 || o->quality > 51)
-    return em_error_set(err, EM_INPUT, path, 0, "quality %d; 0 to 51 are possible", o->quality);
+    return em_error_set(err, EM_INPUT, path, 0, "quality %d; 1 to 51 are possible", o->quality);
   return EM_OK;
 }
 
@@ -98,7 +98,8 @@ enum em_status em_film_make(const char *path, const struct em_scene *scene,
                      .progress = progress,
                      .progress_self = progress_self};
   const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-  const int workers = options->workers > 0 ? options->workers : cores > 0 ? (int)cores : 1;
+  int workers = options->workers > 0 ? options->workers : cores > 0 ? (int)cores : 1;
+  if ((size_t)workers > options->frames) workers = (int)options->frames;
   status = em_movie_begin(&m.movie, path, even.picture.width, even.picture.height, even.fps,
                           even.quality > 0 ? even.quality : 20, err);
   if (status != EM_OK) return status;

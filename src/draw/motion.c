@@ -49,9 +49,12 @@ static enum em_status no_memory(struct em_error *err) {
 enum em_status em_motion_new(struct em_motion **motion, const struct em_run_file *file,
                              double memory, struct em_error *err) {
   *motion = NULL;
-  if (em_run_file_frame_count(file) == 0 || em_run_file_ball_count(file) == 0)
+  if (em_run_file_ball_count(file) == 0)
     return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
-                        "the run has no frames of balls to look at; record.frames must be above 0");
+                        "the run has no balls to look at");
+  if (em_run_file_frame_count(file) == 0)
+    return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
+                        "the run has no frames to look at; record.frames must be above 0");
   struct em_motion *m = calloc(1, sizeof *m);
   if (m == NULL) return no_memory(err);
   m->file = file;

@@ -76,7 +76,7 @@ static void write_axis(struct em_gnuplot *g, const char *axis, const char *label
     fputs(" noenhanced textcolor rgb '#2b2f36'\n", g->out);
   }
   if (log && low > 0.0 && low < high)
-    em_plot_log_ticks(g, axis, low, high);
+    em_plot_ticks_log(g, axis, low, high);
   else if (log)
     fprintf(g->out, "set logscale %s\nset format %s '10^{%%T}'\n", axis, axis);
   if (low < high) fprintf(g->out, "set %srange [%.9g:%.9g]\n", axis, low, high);

@@ -50,7 +50,7 @@ static void write_axis(struct em_gnuplot *g, const struct em_plot_bars *bars,
   fprintf(g->out, "set xrange [%.9g:%.9g]\nset xlabel ", a->low, a->high);
   em_gnuplot_string(g, bars->x_label);
   fputs(" noenhanced textcolor rgb '#2b2f36'\n", g->out);
-  if (a->log) em_plot_log_ticks(g, "x", a->low, a->high);
+  if (a->log) em_plot_ticks_log(g, "x", a->low, a->high);
 }
 
 /* Beyond the bar and its range, on the side to which it points. */

@@ -116,7 +116,7 @@ static void write_bar(struct em_gnuplot *g, const struct em_plot_map *map, doubl
                       double high) {
   static const double left = 0.860, right = 0.882, bottom = 0.16, top = 0.80, tip = 0.018;
   double least, most;
-  if (map->log_value) em_plot_log_ticks(g, "cb", low, high);
+  if (map->log_value) em_plot_ticks_log(g, "cb", low, high);
   fprintf(g->out,
           "set cbrange [%.9g:%.9g]\nset linetype 101 lw 1 lc rgb '#5b606b'\n"
           "set colorbox vertical user origin screen %g,%g size screen %g,%g border 101\n",

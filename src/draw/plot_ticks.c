@@ -32,7 +32,7 @@ static void write_decades(FILE *out, double low, double high) {
     }
 }
 
-void em_plot_log_ticks(struct em_gnuplot *script, const char *axis, double low, double high) {
+void em_plot_ticks_log(struct em_gnuplot *script, const char *axis, double low, double high) {
   fprintf(script->out, "set logscale %s\n", axis);
   if (high >= DECADES * low) {
     fprintf(script->out, "set format %s '10^{%%T}'\n", axis);

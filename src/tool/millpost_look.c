@@ -88,6 +88,16 @@ static int read_map(void *place, const char *command, const char *option, const 
                    text);
 }
 
+static int read_quality(void *place, const char *command, const char *option, const char *text) {
+  double value;
+  if (em_millpost_line_number(text, '\0', &value, NULL) && value >= 1.0 && value <= 51.0 &&
+      value == floor(value)) {
+    *(long *)place = (long)value;
+    return -1;
+  }
+  return em_millpost_usage(command, "--%s: '%s' is not a whole number from 1 to 51", option, text);
+}
+
 static const struct em_millpost_option options[] = {
     OPTION("at", "T", "the moment, in seconds; default: the last one that can be shown", NUMBER,
            at),
@@ -137,7 +147,8 @@ static const struct em_millpost_option options[] = {
            WHOLE, smooth),
     OPTION("dark", NULL, "on a dark ground", FLAG, dark),
     OPTION("workers", "N", "processes that draw; default: one per core", WHOLE, workers),
-    OPTION("quality", "Q", "H.264's rate factor, 1 (best) to 51; default: 20", WHOLE, quality),
+    {"quality", "Q", "H.264's rate factor, 1 (best) to 51; default: 20", EM_MILLPOST_OTHER,
+     AT(quality), NULL, 0, read_quality},
     OPTION("output", "FILE", "-o FILE: what to write; default: the run's name, in this folder",
            TEXT, out),
 };

@@ -64,7 +64,26 @@ for look in "--camera axial" "--colour class" "--color spin --map ember" "--colo
   is "differs: $look" 1 "$(cmp -s "$work/a.png" "$work/c.png"; echo $?)"
 done
 
+"$bin/mill" run "${small[@]}" balls.count=0 -o "$work/nobody.h5" >"$work/out" || exit 2
+for command in frame film view; do
+  expect 2 "the run has no balls" "$command of a run without balls" "$post" $command "$work/nobody.h5"
+done
+is "which is not blamed on its frames" 1 "$(grep -q record.frames "$work/err"; echo $?)"
+
 # ---------------------------------------------------------------- films
+for quality in 0 52 1.5; do
+  expect 2 "whole number from 1 to 51" "--quality $quality" "$post" film "$run" --quality $quality
+done
+"$post" film "$run" --size 320x180 --slow 10 --workers 100 --quiet -o "$work/few.mp4" &
+pid=$! most=0
+while kill -0 $pid 2>/dev/null; do
+  children=$(pgrep -c -P $pid)
+  [ "$children" -gt $most ] && most=$children
+  sleep 0.02
+done
+wait $pid
+is "a film of three frames" 0 $?
+is "takes three processes and that of ffmpeg, not a hundred" yes "$([ "$most" -le 4 ] && echo yes)"
 expect 0 "frames/s" "a film" "$post" film "$run" --size 320x180 --fps 20 --slow 50 -o "$work/a.mp4"
 is "its size, rate and frames" "h264,320,180,20/1,11" "$(ffprobe -v error -count_frames \
   -show_entries stream=codec_name,width,height,r_frame_rate,nb_read_frames -of csv=p=0 "$work/a.mp4")"
