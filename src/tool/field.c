@@ -93,12 +93,17 @@ static enum em_status from_frames(struct em_field *field, const struct em_run_fi
 
 /* ---------------------------------------------------------------- collision table */
 
+/* Below this share of a contact's energy, what it loses is rounding. */
+static const double ROUNDING = 1e-12;
+
 static double of_row(enum em_field_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   if (of == EM_FIELD_HITS) return 1.0;
-  if (of == EM_FIELD_LOST) return (double)rows->lost[k];
   if (of == EM_FIELD_VN) return (double)rows->vn[k];
-  return em_gather_row_energy(rows, k, balls);
+  const double energy = em_gather_row_energy(rows, k, balls);
+  if (of != EM_FIELD_LOST) return energy;
+  const double lost = (double)rows->lost[k];
+  return fabs(lost) > ROUNDING * energy ? lost : 0.0;
 }
 
 static void add_rows(struct em_field *field, const struct em_rows *rows, unsigned classes,
@@ -123,8 +128,9 @@ static enum em_status from_rows(struct em_field *field, const struct em_run_file
                         "a map of %s needs the collision table: run with record.collisions=true",
                         em_field_name(field->of));
   unsigned columns = EM_COLUMN_TIME | EM_COLUMN_CLASS | EM_COLUMN_PLACE;
-  if (field->of == EM_FIELD_VN || field->of == EM_FIELD_ENERGY) columns |= EM_COLUMN_VN;
-  if (field->of == EM_FIELD_ENERGY) columns |= EM_COLUMN_BALL | EM_COLUMN_PARTNER;
+  if (field->of != EM_FIELD_HITS) columns |= EM_COLUMN_VN;
+  if (field->of == EM_FIELD_ENERGY || field->of == EM_FIELD_LOST)
+    columns |= EM_COLUMN_BALL | EM_COLUMN_PARTNER;
   if (field->of == EM_FIELD_LOST) columns |= EM_COLUMN_LOST;
   field->groups = EM_FIELD_GROUPS;
   field->group_time = (window->to - window->from) / EM_FIELD_GROUPS;

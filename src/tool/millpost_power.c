@@ -152,7 +152,8 @@ static void class_table(struct em_report *report, const struct em_balance *b,
     em_report_interval(report, &lost);
     em_report_percent(report, all > 0.0 ? lost.value / all : NAN);
     em_report_interval(report, &impact);
-    em_report_percent(report, useful->all[cls] > 0.0 ? useful->above[cls] / useful->all[cls] : NAN);
+    const bool any = useful->all[cls] > 0.0 && (lost.value > 0.0 || !useful->dissipated);
+    em_report_percent(report, any ? useful->above[cls] / useful->all[cls] : NAN);
     above += useful->above[cls];
     total += useful->all[cls];
   }
@@ -162,7 +163,8 @@ static void class_table(struct em_report *report, const struct em_balance *b,
   em_report_interval(report, &lost);
   em_report_percent(report, all > 0.0 ? 1.0 : NAN);
   em_report_interval(report, &impact);
-  em_report_percent(report, total > 0.0 ? above / total : NAN);
+  em_report_percent(report,
+                    total > 0.0 && (all > 0.0 || !useful->dissipated) ? above / total : NAN);
 }
 
 static void blade_table(struct em_report *report, const struct em_balance *b, double level) {

@@ -48,6 +48,17 @@ static const struct indicator indicators[] = {
 
 enum { INDICATORS = sizeof indicators / sizeof *indicators };
 
+/* Does it vary by no more than rounding? */
+static bool is_constant(const double *x, size_t n) {
+  static const double ROUNDING = 1e-12;
+  double low = INFINITY, high = -INFINITY;
+  for (size_t k = 0; k < n; k++) {
+    low = fmin(low, x[k]);
+    high = fmax(high, x[k]);
+  }
+  return high - low <= ROUNDING * fabs(high);
+}
+
 /* The indicator as one number per sample, in place; returns how many there are. */
 static size_t flatten(struct em_trace *trace, const struct indicator *indicator) {
   if (!indicator->total) return trace->width == 1 ? trace->count : 0;
@@ -77,9 +88,14 @@ static void row(struct em_report *report, const struct indicator *indicator,
                 const struct em_trace *trace, size_t n, double level) {
   static const char *const word[] = {
       [EM_STEADY_NONE] = "no", [EM_STEADY_BRIEF] = "too short", [EM_STEADY_YES] = "yes"};
-  const struct em_steady steady = em_steady_find(trace->value, n);
+  const bool constant = is_constant(trace->value, n);
+  const struct em_steady steady =
+      constant ? (struct em_steady){.start = 0, .found = EM_STEADY_YES, .geweke = NAN, .p = NAN}
+               : em_steady_find(trace->value, n);
   const size_t start = steady.start < n ? steady.start : 0;
-  const struct em_interval mean = em_interval_series(trace->value + start, n - start, level);
+  const struct em_interval mean =
+      constant ? (struct em_interval){.value = trace->value[0], .inefficiency = NAN}
+               : em_interval_series(trace->value + start, n - start, level);
   em_report_text(report, "%s", indicator->label);
   em_report_text(report, "%s", indicator->unit);
   em_report_number(report, trace->time[start]);

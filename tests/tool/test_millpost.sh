@@ -393,6 +393,15 @@ check "nor has a gas that drifts" verdict holds "$heat" "$drift"
 expect 2 "no balls to verify" "a run without balls" post verify "$no_balls"
 lossless() { agrees "$gas" 'assert result["imbalance"] < 1e-12, result' power "$gas"; }
 check "power of a gas without losses is balanced" lossless
+nothing() { agrees "$gas" '
+assert result["dissipated"] == 0 and all(c["dissipated"] == 0 for c in result["classes"]), result
+' power "$gas" && agrees "$gas" '
+energy = [i for i in result["indicators"] if i["indicator"].strip() == "kinetic energy"][0]
+assert energy["found"] == "yes", energy
+' steady "$gas" && agrees "$gas" '
+assert all(not t["value"] for t in result["tubes"]), result["tubes"]
+' map "$gas" --cells sectors --of lost; }
+check "which loses nothing, and not what rounding leaves" nothing
 check "five balls tell no law" verdict undecided 'assert result["tests"] == 0' "$cradle" --from 0
 check "verify names the laws that it cannot test" verdict holds '
 untested = [n for n in result["notes"] if n.startswith("Not tested: ")]
