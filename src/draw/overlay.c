@@ -117,7 +117,7 @@ static void back(const struct paper *p, double x, double y, double w, double h) 
   cairo_arc(p->c, right, low, r, 0.0, 0.5 * M_PI);
   cairo_arc(p->c, x + r, low, r, 0.5 * M_PI, M_PI);
   cairo_close_path(p->c);
-  take_ground(p, 0.80);
+  take_ground(p, 0.86);
   cairo_fill(p->c);
 }
 
@@ -166,7 +166,7 @@ static void draw_bar(const struct paper *p, const struct em_picture_options *o,
                      const struct em_colour_map *map) {
   const struct bar b = bar_of(p);
   const bool spin = o->by == EM_PICTURE_SPIN;
-  const double left = o->histogram ? LONGEST + 16.0 : 12.0;
+  const double left = o->histogram ? LONGEST + 10.0 : 12.0;
   back(p, b.x - left, b.y - 56.0, p->width - 12.0 - b.x + left, b.h + 70.0);
   cairo_pattern_t *g = cairo_pattern_create_linear(0.0, b.y + b.h, 0.0, b.y);
   for (int k = 0; k < EM_COLOUR_STEPS; k += 5)
