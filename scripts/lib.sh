@@ -130,3 +130,51 @@ columns() {
       header = 1; next }
     { row = $at[want[1]]; for (k = 2; k <= n; k++) row = row "," $at[want[k]]; print row }' "$table"
 }
+
+# --- key figures of a sweep over its axes ---------------------------------------------------------
+
+# first_axis SWEEP 'KEY KEY=VALUE ...': the first axis that is none of these.
+first_axis() {
+  head -n 1 "$1/points.csv" | tr ',' '\n' | tail -n +5 | awk -v taken="$2" '
+    BEGIN { n = split(taken, t, " "); for (k = 1; k <= n; k++) { sub(/=.*/, "", t[k]); out[t[k]] } }
+    !($0 in out) { print; exit }'
+}
+
+# chosen TABLE CONDITIONS KEY...: these columns of the rows that meet all CONDITIONS, "KEY=VALUE ...".
+chosen() {
+  from=$1 conditions=$2 count=$(($# - 2))
+  shift 2
+  for condition in $conditions; do
+    case $condition in
+      ?*=?*) set -- "$@" "${condition%%=*}" ;;
+      *) usage_error "--where $condition: expected KEY=VALUE" ;;
+    esac
+  done
+  rows=$(columns "$from" "$@") || exit 2
+  printf '%s\n' "$rows" | awk -F, -v OFS=, -v conditions="$conditions" -v count="$count" '
+    function is_number(x) { return x ~ /^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$/ }
+    BEGIN { n = split(conditions, v, " "); for (k = 1; k <= n; k++) sub(/^[^=]*=/, "", v[k]) }
+    { for (k = 1; k <= n; k++) {
+        x = $(count + k)
+        if (is_number(x) && is_number(v[k]) ? x + 0 != v[k] + 0 : x != v[k]) next
+      }
+      row = $1; for (k = 2; k <= count; k++) row = row OFS $k
+      print row }'
+}
+
+# one_each SWEEP CONDITIONS KEY [KEY]: refuses values of the KEYs, a line for each point, that come
+# twice: another axis parts these points.
+one_each() {
+  [ -n "$(sort | uniq -d)" ] || return 0
+  other=$(first_axis "$1" "$2 $3 ${4:-}")
+  code=2 fail "$1: several points have the same $3${4:+ and $4}: choose some with --where ${other:-KEY}=VALUE"
+}
+
+# The line under a diagram's title: the scene's title, the conditions, and TEXT.
+subtitle() { # SWEEP CONDITIONS TEXT
+  title=$({ sed -n 's/^title *[=:] *"\([^"]*\)".*/\1/p' "$1/scene.cfg" | head -n 1
+    sed -n 's/^title=//p' "$1/fixed" 2>/dev/null | sed 's/^"\(.*\)"$/\1/'; } | tail -n 1)
+  text=${title:+$title · }
+  for condition in $2; do text="$text${condition%%=*} = ${condition#*=} · "; done
+  printf '%s\n' "$text$3"
+}
