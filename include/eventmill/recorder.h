@@ -48,10 +48,10 @@ struct em_summary {
   bool resumed;
   uint64_t collisions;
   uint64_t by_class[EM_CLASS_COUNT];
-  double collisions_per_second; /* of computing time, this session */
+  double collisions_per_second; /* of wall time, this session */
   double simulated_time;        /* s, since the start */
   double wall_time;             /* s, this session */
-  double realtime_factor;       /* simulated / computing time, this session */
+  double realtime_factor;       /* simulated / wall time, this session */
   double steady;                /* s: begin of the steady part */
   double median_speed;          /* m/s: mean over time of the median */
   double median_vn;             /* m/s */

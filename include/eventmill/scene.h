@@ -129,7 +129,7 @@ struct em_recording {
   double observables; /* 1/s; 0: none. Default: 100 */
   double histograms;  /* 1/s, of v_n per class, in blocks of time; 0: one block. Default: 20 */
   bool collisions;    /* full collision table. Default: false */
-  double checkpoint;  /* s of computing time between checkpoints. Default: 30 */
+  double checkpoint;  /* s of wall time between checkpoints. Default: 30 */
   int compression;    /* deflate level 0 … 9. Default: 1 */
 };
 

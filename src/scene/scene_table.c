@@ -233,7 +233,7 @@ static const struct em_scene_entry record[] = {
     {"collisions", EM_KIND_BOOLEAN, AT(em_recording, collisions), "false", ANY, "",
      "table of all collisions"},
     {"checkpoint", EM_KIND_REAL, AT(em_recording, checkpoint), "30", ABOVE(0), "s",
-     "of computing time between checkpoints"},
+     "of wall time between checkpoints"},
     {"compression", EM_KIND_INTEGER, AT(em_recording, compression), "1", RANGE(0, 9), "",
      "deflate level; below 4 frames and the table's speeds, places and normals are stored as they "
      "are"},

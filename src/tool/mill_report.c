@@ -90,7 +90,7 @@ void em_mill_report_text(const struct em_summary *s, const struct em_scene *scen
   const unsigned effects = em_scene_effects(scene);
   printf("%s (%s)\n", scene->title[0] ? scene->title : scene->file, em_run_file_end_name(s->end));
   line("simulated time", s->simulated_time, "s");
-  line("computing time", s->wall_time, "s");
+  line("wall time", s->wall_time, "s");
   line("real-time factor", s->realtime_factor, "");
   count_line("collisions", s->collisions);
   for (int c = 0; c < EM_CLASS_COUNT; c++) {
@@ -98,7 +98,7 @@ void em_mill_report_text(const struct em_summary *s, const struct em_scene *scen
     snprintf(label, sizeof label, "  %s", em_contact_class_name((enum em_class)c));
     if (s->by_class[c]) count_line(label, s->by_class[c]);
   }
-  line("collisions per second", s->collisions_per_second, "/s of computing time");
+  line("collisions per second", s->collisions_per_second, "/s of wall time");
   remedies(s, effects);
   line("energy error", s->energy_error, "relative");
   printf("from %.4g s on\n", s->steady);

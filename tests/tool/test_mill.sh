@@ -75,6 +75,8 @@ check "-o none writes nothing" bash -c "
 cat >"$work/strict.py" <<'END'
 import json, sys
 def no(word):
+"$mill" run "${small[@]}" -o none >"$work/out" 2>/dev/null
+check "its time is told as wall time" grep -q "wall time .* s$" "$work/out"
     raise ValueError(word)
 o = json.load(sys.stdin, parse_constant=no)
 keys = """collisions collisions_per_second simulated_time wall_time realtime_factor median_speed median_vn
