@@ -134,6 +134,8 @@ enum em_status em_grid_read(struct em_grid *grid, const char *path, struct em_er
     else
       status = read_row(grid, row++, line, path, k, err);
   }
+  if (status == EM_OK && ferror(in))
+    status = em_error_set(err, EM_INPUT, path, 0, "cannot be read: %s", strerror(errno));
   free(line);
   fclose(in);
   if (status == EM_OK && grid->columns == 0)
@@ -145,16 +147,28 @@ enum em_status em_grid_read(struct em_grid *grid, const char *path, struct em_er
 
 /* ---------------------------------------------------------------- writing */
 
+/* Are all numbers of a column whole, so that each stands for itself to the last digit? */
+static bool is_whole(const struct em_grid_column *column, size_t rows) {
+  for (size_t r = 0; r < rows; r++) {
+    const double x = column->number[r];
+    if (!(x >= 0.0 && x <= 0x1p53 && x == floor(x))) return false;
+  }
+  return true;
+}
+
 void em_grid_report(const struct em_grid *grid, struct em_report *report, const char *name) {
   em_report_begin(report, name, NULL);
   for (size_t c = 0; c < grid->columns; c++)
     em_report_column(report, grid->column[c].key, grid->column[c].key, grid->column[c].unit);
   for (size_t r = 0; r < grid->rows; r++) {
     for (size_t c = 0; c < grid->columns; c++) {
-      if (grid->column[c].word)
-        em_report_text(report, "%s", grid->column[c].word[r]);
+      const struct em_grid_column *column = &grid->column[c];
+      if (column->word)
+        em_report_text(report, "%s", column->word[r]);
+      else if (is_whole(column, grid->rows))
+        em_report_count(report, (uint64_t)column->number[r]);
       else
-        em_report_number(report, grid->column[c].number[r]);
+        em_report_number(report, column->number[r]);
     }
   }
 }

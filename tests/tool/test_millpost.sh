@@ -337,6 +337,12 @@ grep -q "a rotor drives the balls" "$work/out"
 is "and says why" 0 $?
 expect 3 "" "verify refutes a mill when told to look anyway" post verify "$one" --anyway --from 0.05
 tamper() { # CODE that changes a copy of the gas
+# ---------------------------------------------------------------- tables
+printf 'point,repeat,seed,run\n1,1,1979500123,at-1000-1.h5\n2,1,7,at-1400-1.h5\n' >"$work/points.csv"
+expect 0 "" "a table" post table "$work/points.csv"
+check "has seeds to the last digit" grep -q ' 1979500123 ' "$work/out"
+expect 2 "$work: error: cannot be read: Is a directory" "a table of a directory" post table "$work"
+
   cp "$gas" "$work/wrong.h5" && /usr/bin/python3 - "$work/wrong.h5" <<PY
 import sys
 import h5py, numpy as np
