@@ -184,7 +184,8 @@ enum em_status em_scene_parse(struct em_scene **scene, const char *text, const c
                               struct em_error *err);
 
 /* The complete scene with its defaults filled in; what it prints is a valid scene that reads back
- * to the same bits. Errors: EM_FILE (`out` has an error). */
+ * to the same bits. What follows from other entries is a comment, and so follows them still.
+ * Errors: EM_FILE (`out` has an error). */
 enum em_status em_scene_print(const struct em_scene *scene, FILE *out);
 
 /* The same as a text, to be freed by the caller; NULL when memory is short. */
@@ -199,12 +200,12 @@ const char *em_scene_effect_name(enum em_effect_bit bit);
 size_t em_scene_ball_count(const struct em_scene *scene);
 size_t em_scene_blade_count(const struct em_scene *scene);
 
+/* remedy.jam_after and jam_within (s) of a scene that does not give them. */
+void em_scene_jam(const struct em_scene *scene, int *after, double *within);
+
 /* A speed (m/s) that is typical of the scene: the largest of start speeds, half the tip speed and
  * the fall through the chamber. Never 0. */
 double em_scene_typical_speed(const struct em_scene *scene);
-
-/* The default (s) of remedy.jam_within. */
-double em_scene_jam_within(const struct em_scene *scene);
 
 /* The chamber's volume (m³), and the extent (m) of its bounding box; of a drum with facets, those
  * of the round drum that they touch from outside. */

@@ -367,8 +367,8 @@ static enum em_status compare_texts(const char *stored, const char *wanted, cons
   const char *a = stored, *b = wanted;
   for (size_t k = 0; stored[k] == wanted[k]; k++)
     if (stored[k] == '\n') a = stored + k + 1, b = wanted + k + 1;
-  a += strspn(a, " ");
-  b += strspn(b, " ");
+  a += strspn(a, " #");
+  b += strspn(b, " #");
   return em_error_set(err, EM_INPUT, path, 0,
                       "was made from another scene; only the duration may change on resuming: "
                       "\"%.*s\" there, \"%.*s\" now",

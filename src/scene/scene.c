@@ -54,15 +54,19 @@ static double smallest_diameter(const struct em_scene *scene) {
   return isfinite(d) ? d : em_vec_norm(em_vec_sub(high, low));
 }
 
-double em_scene_jam_within(const struct em_scene *scene) {
-  return fmin(1e-8, 1e-5 * smallest_diameter(scene) / em_scene_typical_speed(scene));
+void em_scene_jam(const struct em_scene *scene, int *after, double *within) {
+  *after = any_moves(scene) && any_rough(scene) ? 5 : 0;
+  *within = fmin(1e-8, 1e-5 * smallest_diameter(scene) / em_scene_typical_speed(scene));
 }
 
 /* What the scene does not say of its remedies follows from the rest of it. */
 static void complete_remedy(struct em_scene *scene) {
   struct em_remedy *r = &scene->remedy;
-  if (r->jam_after < 0) r->jam_after = any_moves(scene) && any_rough(scene) ? 5 : 0;
-  if (r->jam_within < 0.0) r->jam_within = em_scene_jam_within(scene);
+  int after;
+  double within;
+  em_scene_jam(scene, &after, &within);
+  if (r->jam_after < 0) r->jam_after = after;
+  if (r->jam_within < 0.0) r->jam_within = within;
 }
 
 /* Fills and checks a scene from its tree. */

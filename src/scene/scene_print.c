@@ -128,6 +128,20 @@ static void put_line(FILE *out, int depth, const struct em_scene_entry *entry, c
   fprintf(out, entry->unit[0] ? ";  # %s\n" : ";\n", entry->unit);
 }
 
+/* The same as a comment where the value is what the entry has when the scene does not give it, as
+ * it lies at `left_out` (NULL: nothing that follows from other entries): if these change, so shall
+ * it. */
+static void put_given(FILE *out, int depth, const struct em_scene_entry *entry, const void *base,
+                      const void *left_out) {
+  const void *at = (const char *)base + entry->offset;
+  const bool follows = left_out && memcmp(at, left_out, entry->size) == 0;
+  if (follows) {
+    indent(out, depth);
+    fputs("# ", out);
+  }
+  put_line(out, follows ? 0 : depth, entry, base);
+}
+
 /* All entries of a table that are not special; `skip` (may be NULL) names some to leave out. */
 static void put_table(FILE *out, int depth, const struct em_scene_table *table, const void *base,
                       const char *const *skip) {
@@ -156,34 +170,63 @@ static void put_chamber(FILE *out, const struct em_chamber *c) {
   fputs("};\n", out);
 }
 
-static void put_blade(FILE *out, int depth, const struct em_rotor *rotor, size_t k) {
+/* What all blades of a rotor have in common is said of the rotor; NAN or -1 where they differ. */
+static struct em_scene_rotor_form common_form(const struct em_rotor *rotor) {
+  struct em_scene_rotor_form form = {.rpm = rotor->rpm,
+                                     .radius = NAN,
+                                     .reach = NAN,
+                                     .tip = -1,
+                                     .axis = rotor->axis,
+                                     .point = rotor->point};
+  const struct em_blade *blade = rotor->blade, *end = blade + rotor->blade_count;
+  if (blade == end) return form;
+  form.radius = blade->radius;
+  form.reach = blade->reach;
+  form.tip = (int)blade->tip;
+  while (++blade < end) {
+    if (blade->radius != form.radius) form.radius = NAN;
+    if (blade->reach != form.reach) form.reach = NAN;
+    if ((int)blade->tip != form.tip) form.tip = -1;
+  }
+  return form;
+}
+
+static void put_blade(FILE *out, int depth, const struct em_rotor *rotor,
+                      const struct em_scene_rotor_form *form, size_t k) {
   const struct em_blade *blade = &rotor->blade[k];
   indent(out, depth);
   fputs("{ y = ", out);
   put_real(out, rotor->blade_y[k]);
   fputs("; angle_deg = ", out);
   put_degrees(out, blade->angle);
-  fputs("; radius = ", out);
-  put_real(out, blade->radius);
-  fputs("; reach = ", out);
-  put_real(out, blade->reach);
-  fprintf(out, "; tip = \"%s\";", em_surface_tip_name(blade->tip));
-  if (blade->omega != em_scene_fill_omega(rotor->rpm)) {
-    fputs(" rpm = ", out);
-    put_read(out, blade->omega, 60.0 / (2.0 * M_PI), em_scene_fill_omega);
-    fputc(';', out);
+  if (isnan(form->radius)) {
+    fputs("; radius = ", out);
+    put_real(out, blade->radius);
   }
-  fputs(k + 1 < rotor->blade_count ? " },\n" : " }\n", out);
+  if (isnan(form->reach)) {
+    fputs("; reach = ", out);
+    put_real(out, blade->reach);
+  }
+  if (form->tip < 0) fprintf(out, "; tip = \"%s\"", em_surface_tip_name(blade->tip));
+  if (blade->omega != em_scene_fill_omega(rotor->rpm)) {
+    fputs("; rpm = ", out);
+    put_read(out, blade->omega, 60.0 / (2.0 * M_PI), em_scene_fill_omega);
+  }
+  fputs(k + 1 < rotor->blade_count ? "; },\n" : "; }\n", out);
 }
 
 static void put_rotor(FILE *out, int depth, const struct em_rotor *rotor) {
-  static const char *const each_blade[] = {"radius", "reach", "tip", NULL};
-  struct em_scene_rotor_form form = {.rpm = rotor->rpm, .axis = rotor->axis, .point = rotor->point};
-  put_table(out, depth, &em_scene_table_rotor, &form, each_blade);
+  const struct em_scene_rotor_form form = common_form(rotor);
+  const char *of_each[4] = {NULL};
+  int count = 0;
+  if (isnan(form.radius)) of_each[count++] = "radius";
+  if (isnan(form.reach)) of_each[count++] = "reach";
+  if (form.tip < 0) of_each[count++] = "tip";
+  put_table(out, depth, &em_scene_table_rotor, &form, of_each);
   indent(out, depth);
   fputs("blades = (\n", out);
   for (size_t k = 0; k < rotor->blade_count; ++k)
-    put_blade(out, depth + 1, rotor, k);
+    put_blade(out, depth + 1, rotor, &form, k);
   indent(out, depth);
   fputs(");\n", out);
 }
@@ -225,9 +268,29 @@ static void put_species(FILE *out, int depth, const struct em_species *s) {
   fputs(");\n", out);
 }
 
-static void put_contact(FILE *out, int depth, const struct em_contact_law *contact) {
-  put_table(out, depth, &em_scene_table_class, contact, NULL);
+static bool same_law(const struct em_restitution *a, const struct em_restitution *b) {
+  bool equal = a->law == b->law;
+  for (int k = 0; equal && k < em_contact_law_size(a->law); ++k)
+    equal = a->p[k] == b->p[k];
+  return equal;
+}
+
+static bool same_contact(const struct em_contact_law *a, const struct em_contact_law *b) {
+  return a->rule == b->rule && a->tangential == b->tangential && a->friction == b->friction &&
+         same_law(&a->normal, &b->normal);
+}
+
+/* A class's group goes without what it takes from `all`, the group that holds it (NULL: it is that
+ * group itself). */
+static void put_contact(FILE *out, int depth, const struct em_contact_law *contact,
+                        const struct em_contact_law *all) {
+  for (size_t k = 0; k < em_scene_table_class.count; ++k) {
+    const struct em_scene_entry *entry = &em_scene_table_class.entry[k];
+    if (entry->kind == EM_KIND_SPECIAL) continue;
+    put_given(out, depth, entry, contact, all ? (const char *)all + entry->offset : NULL);
+  }
   indent(out, depth);
+  if (all && same_law(&contact->normal, &all->normal)) fputs("# ", out);
   fprintf(out, "normal = { law = \"%s\";", em_contact_law_name(contact->normal.law));
   for (int k = 0; k < em_contact_law_size(contact->normal.law); ++k) {
     fprintf(out, " %s = ", em_contact_law_parameter(contact->normal.law, k));
@@ -237,22 +300,15 @@ static void put_contact(FILE *out, int depth, const struct em_contact_law *conta
   fputs(" };\n", out);
 }
 
-static bool same_contact(const struct em_contact_law *a, const struct em_contact_law *b) {
-  bool equal = a->rule == b->rule && a->tangential == b->tangential && a->friction == b->friction &&
-               a->normal.law == b->normal.law;
-  for (int k = 0; k < em_contact_law_size(a->normal.law); ++k)
-    equal = equal && a->normal.p[k] == b->normal.p[k];
-  return equal;
-}
-
 /* The first class stands for all; classes that differ from it follow as groups. */
 static void put_contacts(FILE *out, const struct em_scene *scene) {
+  const struct em_contact_law *all = &scene->contact[0];
   fputs("contact = {\n", out);
-  put_contact(out, 1, &scene->contact[0]);
+  put_contact(out, 1, all, NULL);
   for (int k = 1; k < EM_CLASS_COUNT; ++k) {
-    if (same_contact(&scene->contact[k], &scene->contact[0])) continue;
+    if (same_contact(&scene->contact[k], all)) continue;
     fprintf(out, "  %s = {\n", em_scene_table_classes[k]);
-    put_contact(out, 2, &scene->contact[k]);
+    put_contact(out, 2, &scene->contact[k], all);
     fputs("  };\n", out);
   }
   fputs("};\n", out);
@@ -284,16 +340,22 @@ static void put_group(FILE *out, const struct em_scene_table *table, const void 
   fputs("};\n", out);
 }
 
-/* Entries that are what their level of accuracy says are comments: another level shall set them. */
 static void put_engine(FILE *out, const struct em_engine *engine) {
   fputs("engine = {\n", out);
   for (size_t k = 0; k < em_scene_table_engine.count; ++k) {
     const struct em_scene_entry *entry = &em_scene_table_engine.entry[k];
-    const void *level = em_scene_fill_level(engine->accuracy, entry);
-    const bool follows =
-        level && memcmp(level, (const char *)engine + entry->offset, entry->size) == 0;
-    if (follows) fputs("  # ", out);
-    put_line(out, follows ? 0 : 1, entry, engine);
+    put_given(out, 1, entry, engine, em_scene_fill_level(engine->accuracy, entry));
+  }
+  fputs("};\n", out);
+}
+
+static void put_remedy(FILE *out, const struct em_scene *scene) {
+  struct em_remedy left_out = {.tc = NAN, .elastic_below = NAN}; /* nothing that a scene has */
+  em_scene_jam(scene, &left_out.jam_after, &left_out.jam_within);
+  fputs("remedy = {\n", out);
+  for (size_t k = 0; k < em_scene_table_remedy.count; ++k) {
+    const struct em_scene_entry *entry = &em_scene_table_remedy.entry[k];
+    put_given(out, 1, entry, &scene->remedy, (const char *)&left_out + entry->offset);
   }
   fputs("};\n", out);
 }
@@ -308,6 +370,6 @@ void em_scene_print_all(const struct em_scene *scene, FILE *out) {
   put_parts(out, "balls", scene->species_count, scene, put_species_part);
   put_contacts(out, scene);
   put_engine(out, &scene->engine);
-  put_group(out, &em_scene_table_remedy, &scene->remedy);
+  put_remedy(out, scene);
   put_group(out, &em_scene_table_record, &scene->record);
 }

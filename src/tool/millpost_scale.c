@@ -65,14 +65,23 @@ static double relative(double speed, double to) {
   return (double)(float)(speed / to); /* a rounded ratio is the same at each speed */
 }
 
+/* What follows from the rest of the scene, the speed included, takes values that no scene has. */
+static void leave_out_what_follows(struct em_scene *scene) {
+  int after;
+  double within;
+  em_scene_jam(scene, &after, &within);
+  if (scene->remedy.jam_after == after) scene->remedy.jam_after = -1;
+  if (scene->remedy.jam_within == within) scene->remedy.jam_within = -1.0;
+}
+
 /* The scene without what may differ between runs of a group: the rotor's speed, to which others are
- * relative, the default that follows from it, seed, duration, what is recorded, the title. */
+ * relative, seed, duration, what is recorded, the title. */
 static enum em_status read_kind(char **kind, const struct em_run_file *run, struct em_error *err) {
   struct em_scene *scene;
   const enum em_status status =
       em_scene_parse(&scene, em_run_file_scene_text(run), em_run_file_path(run), 0, NULL, err);
   if (status != EM_OK) return status;
-  if (scene->remedy.jam_within == em_scene_jam_within(scene)) scene->remedy.jam_within = 0.0;
+  leave_out_what_follows(scene);
   const double rpm = scene->rotor[0].rpm, omega = rpm * M_PI / 30.0;
   for (size_t r = 0; r < scene->rotor_count; r++) {
     struct em_rotor *rotor = &scene->rotor[r];

@@ -300,7 +300,7 @@ check "scale" post scale "$plain" "$fast" --from 0.1
 
 # Runs at two speeds, one of them with three seeds; one without gravity; one that was interrupted.
 few=(geometries/simoloyer-2l.cfg balls.count=100 duration=0.06)
-for point in 1000/1 1000/2 1000/3 1400/1 2000/1; do
+for point in 1000/1 1000/2 1000/3 1400/1 1900/1; do
   run "${few[@]}" rotor.rpm=${point%/*} seed=${point#*/} -o "$work/at-${point/\//-}.h5"
 done >"$work/out"
 run "${few[@]}" rotor.rpm=1200 gravity='"none"' -o "$work/afloat.h5" >"$work/out"
@@ -325,11 +325,20 @@ assert not any("not done" in n for n in a["notes"])
 PY
 }
 check "scale averages runs at one speed, and keeps unlike runs apart" order
-alike() { scale at-1400-1.h5 at-2000-1.h5 >"$work/json" &&
-  is_true "$one" 'assert [g["runs"] for g in result["groups"]] == [2], result["groups"]'; }
-check "defaults that follow from the speed part no group" alike
+# remedy.jam_within is less at 1900 rpm than at 1000.
+alike() {
+  scale at-1000-1.h5 at-1900-1.h5 >"$work/json" &&
+    is_true "$one" 'assert [g["runs"] for g in result["groups"]] == [2], result["groups"]'
+}
+check "what follows from the speed parts no runs" alike
 warned() { scale at-1000-1.h5 left.h5 | grep -q 'left is not done: interrupted'; }
 check "scale warns of runs that are not done" warned
+
+# ---------------------------------------------------------------- tables
+printf 'point,repeat,seed,run\n1,1,1979500123,at-1000-1.h5\n2,1,7,at-1400-1.h5\n' >"$work/points.csv"
+expect 0 "" "a table" post table "$work/points.csv"
+check "has seeds to the last digit" grep -q ' 1979500123 ' "$work/out"
+expect 2 "$work: error: cannot be read: Is a directory" "a table of a directory" post table "$work"
 
 expect 0 "" "verify accepts an ideal gas" post verify "$gas"
 expect 0 "" "verify says that a mill is no ideal gas" post verify "$one"
@@ -337,12 +346,6 @@ grep -q "a rotor drives the balls" "$work/out"
 is "and says why" 0 $?
 expect 3 "" "verify refutes a mill when told to look anyway" post verify "$one" --anyway --from 0.05
 tamper() { # CODE that changes a copy of the gas
-# ---------------------------------------------------------------- tables
-printf 'point,repeat,seed,run\n1,1,1979500123,at-1000-1.h5\n2,1,7,at-1400-1.h5\n' >"$work/points.csv"
-expect 0 "" "a table" post table "$work/points.csv"
-check "has seeds to the last digit" grep -q ' 1979500123 ' "$work/out"
-expect 2 "$work: error: cannot be read: Is a directory" "a table of a directory" post table "$work"
-
   cp "$gas" "$work/wrong.h5" && /usr/bin/python3 - "$work/wrong.h5" <<PY
 import sys
 import h5py, numpy as np

@@ -287,6 +287,44 @@ static void round_trip(const struct em_scene *s) {
   free(second);
 }
 
+/* Reads what `text` with `saved` prints, with `changed`; it must be what `text` with both is. */
+static void changes_as_it_would(const char *text, const char *saved, const char *changed) {
+  const char *both[2] = {saved, changed};
+  struct em_scene *s, *printed, *whole;
+  struct em_error err = {0};
+  assert_int_equal(em_scene_parse(&s, text, "t.cfg", 1, both, &err), EM_OK);
+  char *print = em_scene_text(s);
+  assert_int_equal(em_scene_parse(&printed, print, "t.cfg", 1, both + 1, &err), EM_OK);
+  assert_int_equal(em_scene_parse(&whole, text, "t.cfg", 2, both, &err), EM_OK);
+  char *one = em_scene_text(printed), *other = em_scene_text(whole);
+  assert_string_equal(one, other);
+  free(one);
+  free(other);
+  free(print);
+  em_scene_free(whole);
+  em_scene_free(printed);
+  em_scene_free(s);
+}
+
+static void printed_scenes_keep_what_follows_free(void **state) {
+  (void)state;
+  const char *mill =
+      DRUM BALLS "rotor = { rpm = 1300; radius = 0.005; reach = 0.05; blades = ( { y = 0.03; },"
+                 "{ y = 0.06; } ); };"
+                 "contact = { ball-drum = { tangential = 0.5; normal = 0.8; }; ball-end = { rule = "
+                 "\"smooth\"; }; };";
+  changes_as_it_would(mill, "contact.rule=smooth", "contact.rule=rough");
+  changes_as_it_would(mill, "contact.rule=rough", "contact.rule=smooth");
+  changes_as_it_would(mill, "contact.tangential=0.8", "contact.normal=0.9");
+  changes_as_it_would(mill, "rotor.rpm=0", "rotor.rpm=1300");
+  changes_as_it_would(mill, "rotor.rpm=1300", "rotor.rpm=2500"); /* jam_within below 1e-8 s */
+  changes_as_it_would(mill, "rotor.rpm=2500", "balls.diameter=0.001");
+  changes_as_it_would(mill, "rotor.radius=0.004", "rotor.reach=0.045");
+  changes_as_it_would(mill, "rotor.tip=none", "rotor.tip=hemisphere");
+  changes_as_it_would(mill, "remedy.jam_after=7", "contact.rule=smooth");
+  changes_as_it_would(mill, "remedy.jam_within=1e-7", "rotor.rpm=2500");
+}
+
 static void printed_scenes_read_back_to_the_same_bits(void **state) {
   (void)state;
   static const char *const files[] = {
@@ -488,6 +526,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(includes_and_tables_beside_the_scene, make_directory,
                                       remove_directory),
       cmocka_unit_test(printed_scenes_read_back_to_the_same_bits),
+      cmocka_unit_test(printed_scenes_keep_what_follows_free),
       cmocka_unit_test(odd_angles_read_back_to_the_same_bits),
       cmocka_unit_test(a_scene_has_only_the_effects_it_calls_for),
       cmocka_unit_test(sizes_and_speeds),
