@@ -40,6 +40,9 @@ cp out plan
 check "it lists the points" test "$(grep -c "to do.*runs/" plan)" -eq 6
 check "and the time" grep -q "6 of 6 runs to do.*of computing" plan
 check "it leaves nothing" test ! -e a
+expect 0 "point 2 fails within 0.12 s: .*balls" "a dry run of points of which one fails" \
+  "$sweep" "$scene" balls.count=40,400000,50 duration=0.02 -o a -n
+check "goes by the others" grep -q "at 2 points" out
 
 # ---------------------------------------------------------------- a grid
 expect 0 "12 of 12" "a sweep, which tells its progress" "$sweep" "${few[@]}" --repeat 2 -j2 -o whole
