@@ -256,6 +256,7 @@ demo: setup
 # ---------------------------------------------------------------- house keeping
 # Words for the shell, whatever is in the names.
 shell_word = '$(subst ','\'',$(1))'
+sed_word = $(subst |,\|,$(subst &,\&,$(subst \,\\,$(1))))
 BIN := $(call shell_word,$(DESTDIR)$(PREFIX)/bin)
 LIB := $(call shell_word,$(DESTDIR)$(PREFIX)/lib)
 INC := $(call shell_word,$(DESTDIR)$(PREFIX)/include/eventmill)
@@ -267,6 +268,8 @@ install: all
 # What has been built, as it is.
 .PHONY: install-files
 install-files:
+	@case $(call shell_word,$(PREFIX)) in /*) ;; *) echo "PREFIX must be absolute, found" \
+	  $(call shell_word,'$(PREFIX)') >&2; exit 2 ;; esac
 	install -d $(BIN) $(LIB)/pkgconfig $(INC)
 	install -m 755 $(PROGRAMS) $(BIN)
 	install -m 644 $(HEADERS) $(INC)
@@ -274,8 +277,9 @@ install-files:
 	install -m 755 $(SHARED) $(LIB)/libeventmill.so.$(VERSION)
 	ln -sf libeventmill.so.$(VERSION) $(LIB)/libeventmill.so.$(SOMAJOR)
 	ln -sf libeventmill.so.$(SOMAJOR) $(LIB)/libeventmill.so
-	sed -e $(call shell_word,s|@PREFIX@|$(PREFIX)|) -e 's|@VERSION@|$(VERSION)|' \
+	sed -e $(call shell_word,s|@PREFIX@|$(call sed_word,$(PREFIX))|) -e 's|@VERSION@|$(VERSION)|' \
 	  -e 's|@PACKAGES@|$(PACKAGES)|' eventmill.pc.in >$(LIB)/pkgconfig/eventmill.pc
+	chmod 644 $(LIB)/pkgconfig/eventmill.pc
 	find geometries -type f -exec install -D -m 644 {} $(SHR)/{} \;
 
 uninstall:

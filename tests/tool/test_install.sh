@@ -84,6 +84,19 @@ make -s "${settings[@]}" uninstall
 left=$(find "$root/it's a mill" -type f -o -type l; ls -d "$root/it" 2>/dev/null) || true
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 
+# Letters that mean something to sed; a umask that leaves nothing to others; a prefix from nowhere.
+settings=("BUILD=$BUILD" SAN= DEBUG= DESTDIR= "PREFIX=$root/a|b&c")
+(umask 077 && make -s "${settings[@]}" install-files)
+grep -qF "$root/a|b&c" "$root/a|b&c/lib/pkgconfig/eventmill.pc"
+closed=$(find "$root/a|b&c" -type f ! -perm -044 -o -type d ! -perm -055)
+[ -z "$closed" ] || { echo "closed to others: $closed"; exit 1; }
+if make -s "BUILD=$BUILD" SAN= DEBUG= DESTDIR= PREFIX=here install-files 2>"$root/said"; then
+  echo "a relative prefix is taken"
+  exit 1
+fi
+grep -q "PREFIX must be absolute, found 'here'" "$root/said"
+[ ! -e here ] || { echo "it left something"; exit 1; }
+
 # A test that is built on its own takes the library as it is, with flags of its own.
 make -s "${alone[@]}" "$root/alone/src/num/error.o"
 cp "$root/alone/flags" "$root/flags"
