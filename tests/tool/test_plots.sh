@@ -44,6 +44,12 @@ make_sweep three rotor.rpm,balls.count,balls.diameter <<'END'
 1300,40,0.005,7,0.1
 1300,60,0.005,8,0.1
 END
+make_sweep nought remedy.tc,rotor.rpm <<'END'
+0,1000,1,0.1
+0,1300,2,0.1
+1e-05,1000,3,0.1
+1e-05,1300,4,0.1
+END
 # Scattered; the figure depends on the second axis alone, which spans less than the first by 1e4.
 make_sweep scattered rotor.rpm,contact.tangential < <(awk 'BEGIN { srand(2)
   for (k = 0; k < 30; k++) { e = 0.8 + 0.1 * rand(); print 1000 + 1000 * rand() "," e "," sin(60 * e) ",0" } }')
@@ -54,6 +60,8 @@ rows() { awk -v d="\$d$2" '$1 == d { on = 1; next } /^EOD/ { on = 0 } on' "$1"; 
 check "x, when the curves are by the first axis" "$lines" two power --by rotor.rpm -o a.gp
 is "is the second" "2 curves over number of balls" "$(curves a.gp) curves over $(sed -n \
   "s/^set xlabel '\(.*\)' noenh.*/\1/p" a.gp)"
+check "curves by an axis that begins at 0" "$lines" nought power --by remedy.tc -o a.gp
+is "are all there" 2 "$(curves a.gp)"
 expect 2 "both rotor.rpm" "one axis twice" "$lines" two power -x rotor.rpm --by rotor.rpm -o x.gp
 expect 2 "both rotor.rpm" "and on a map" "$map" two power -x rotor.rpm -y rotor.rpm -o x.gp
 expect 2 "found 'impact'" "two figures" "$lines" two power impact -o x.gp
