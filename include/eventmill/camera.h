@@ -7,6 +7,10 @@
 
 #include "eventmill/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EM_CAMERA_LIST(X)                                                 \
   X(AXIAL, "axial")                 /* along the axis, +y away from us */ \
   X(SIDE, "side")                   /* from +x; +y to the right */        \
@@ -42,5 +46,9 @@ struct em_camera em_camera_make(enum em_camera_view view);
 void em_camera_aim(const struct em_camera *camera, struct em_vec low, struct em_vec high,
                    const struct em_vec *point, size_t count, int width, int height,
                    struct em_camera_aim *aim);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum em_cells_kind { EM_CELLS_SECTORS, EM_CELLS_RINGS };
 
 struct em_cells {
@@ -41,5 +45,9 @@ double em_cells_volume(const struct em_cells *cells, size_t k);
 
 /* Bounds of a cell: sectors {radius, angle (rad), y}, rings {radius, 0 … 2π, y}. */
 void em_cells_bounds(const struct em_cells *cells, size_t k, double low[3], double high[3]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EM_COLOUR_LIST(X)                                              \
   X(LAGOON, "lagoon")   /* violet, blue, green, yellow: the default */ \
   X(EMBER, "ember")     /* indigo, magenta, orange, yellow */          \
@@ -33,5 +37,9 @@ const uint8_t *em_colour_at(const struct em_colour_map *map, double value, doubl
 
 /* Colour number k of the cycle for species, classes and curves (sRGB), dark enough on white. */
 const uint8_t *em_colour_cycle(unsigned k);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

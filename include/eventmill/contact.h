@@ -8,6 +8,10 @@
 
 #include "eventmill/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Who touches whom. In a box the walls across y are "end" walls, all others "drum" walls. */
 #define EM_CLASS_LIST(X) \
   X(BALL, "ball-ball")   \
@@ -111,5 +115,9 @@ struct em_impulse em_contact_impulse(const struct em_contact_law *law, double m_
  * *same* e and P_t. −5/(2 m R); `reichardt2005`: −R/m (9-9, 9-17; docs/physics.md on the sign);
  * `smooth`: 0. */
 double em_contact_spin_factor(enum em_rule rule, double m, double radius);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,6 +2,10 @@
 #ifndef EVENTMILL_DISTRIBUTION_H
 #define EVENTMILL_DISTRIBUTION_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* code, name, parameter. The density on x ≥ 0 unless said otherwise:
  *   normal    exp(−x²/2a²)/(a√2π), all x          one component of a velocity, a = σ
  *   maxwell   √(2/π) x²/a³ exp(−x²/2a²)           speed, a = σ
@@ -29,5 +33,9 @@ double em_distribution_cdf(enum em_distribution law, double a, double x);
 /* Degrees of freedom k of a law whose x²/a² is χ² with k of them (normal 1, rayleigh 2, maxwell 3,
  * maxwell4 4); 0 for the others. */
 int em_distribution_freedom(enum em_distribution law);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #ifndef EVENTMILL_ERROR_H
 #define EVENTMILL_ERROR_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* code, text: the one list from which the enum and the messages are made. */
 #define EM_STATUS_LIST(X)           \
   X(OK, "done")                     \
@@ -51,5 +55,9 @@ enum em_status em_error_add(struct em_error *err, enum em_status code, const cha
 
 /* The text of a status code; never NULL. */
 const char *em_error_text(enum em_status code);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include "eventmill/error.h"
 #include "eventmill/picture.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_film_options {
   struct em_picture_options picture; /* width and height are rounded down to even numbers */
   size_t frames;
@@ -35,5 +39,9 @@ enum em_status em_film_make(const char *path, const struct em_scene *scene,
                             const struct em_film_options *options, em_film_source *source,
                             void *source_self, em_film_progress *progress, void *progress_self,
                             struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

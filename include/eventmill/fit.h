@@ -7,6 +7,10 @@
 
 #include "eventmill/error.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { EM_FIT_PARAMETERS = 8 };
 
 struct em_fit_model {
@@ -33,5 +37,9 @@ struct em_fit {
 enum em_status em_fit_curve(struct em_fit *fit, const struct em_fit_model *model, size_t n,
                             const double *x, const double *y, const double *p0,
                             struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include "eventmill/distribution.h"
 #include "eventmill/error.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_goodness {
   double statistic; /* χ², or the largest distance D */
   double freedom;   /* of χ²; the number of values for Kolmogorov–Smirnov */
@@ -39,5 +43,9 @@ enum em_status em_goodness_ks_tied(struct em_goodness *out, enum em_distribution
 
 /* Probability that the limit law of √n D exceeds x. */
 double em_goodness_kolmogorov(double x);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_histogram {
   size_t bins;
   double *edge;           /* bins + 1, rising, owned; in the unit of the quantity */
@@ -68,5 +72,9 @@ struct em_histogram *em_histogram_rebin(const struct em_histogram *h, size_t bin
 
 /* √n bins, at least 1 and at most `most` (16.3 of Reichardt 2005). */
 size_t em_histogram_default_bins(double n, size_t most);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 #include "eventmill/error.h"
 #include "eventmill/histogram.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* value ± half at the level asked for. */
 struct em_interval {
   double value;
@@ -47,5 +51,9 @@ enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
 /* Probability that two figures differ by as much as these do when they are equal in truth
  * (Welch's test, two-sided); NAN when an error is unknown. */
 double em_interval_difference(const struct em_interval *a, const struct em_interval *b);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "eventmill/run_file.h"
 #include "eventmill/start.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_motion;
 
 /* Begins with a file that has frames; it must outlive the motion. `memory`: how long (s) contacts
@@ -45,5 +49,9 @@ const uint8_t *em_motion_classes(struct em_motion *motion);
  * more than `room`. */
 size_t em_motion_marks(const struct em_motion *motion, struct em_picture_bead *bead, size_t room,
                        double radius);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

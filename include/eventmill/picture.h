@@ -12,6 +12,10 @@
 #include "eventmill/scene.h"
 #include "eventmill/start.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What the balls' colours tell. */
 #define EM_PICTURE_LIST(X)                                               \
   X(SPEED, "speed")                                                      \
@@ -106,5 +110,9 @@ void em_picture_free(struct em_picture *picture);
  * EM_MEMORY. */
 enum em_status em_picture_save(const char *path, const uint8_t *rgba, int width, int height,
                                struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

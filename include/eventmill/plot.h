@@ -11,6 +11,10 @@
 #include "eventmill/error.h"
 #include "eventmill/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum em_plot_style {
   EM_PLOT_LINE,   /* x, y joined by a line */
   EM_PLOT_DASHED, /* the same, dashed: theory, limits */
@@ -111,5 +115,9 @@ enum em_status em_plot_map(const struct em_plot_map *map, const char *path, stru
 void em_plot_subtitle(const struct em_scene *scene, char *text, size_t size);
 void em_plot_subtitles(const struct em_scene *const *scene, size_t count, char *text, size_t size);
 void em_plot_operating_point(const struct em_scene *scene, char *text, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

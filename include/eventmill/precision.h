@@ -10,6 +10,10 @@
 #include "eventmill/error.h"
 #include "eventmill/interval.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EM_PRECISION_LIST(X)                          \
   X(SPEED, "median(speed)", "median speed", "m/s")    \
   X(VN, "median(vn)", "median v_n", "m/s")            \
@@ -83,5 +87,9 @@ enum em_status em_precision_read(struct em_precision_target *target, size_t *cou
 void em_precision_name(const struct em_precision_target *target, char *text, size_t size);
 const char *em_precision_words(enum em_precision_kind kind);
 const char *em_precision_unit(enum em_precision_kind kind);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,6 +12,10 @@
 #include "eventmill/run_file.h"
 #include "eventmill/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_observer;
 
 /* What is known while a run goes on. */
@@ -89,5 +93,9 @@ enum em_status em_recorder_start(struct em_balls **start, const struct em_scene 
 /* The name of a run file that a scene gets by default: the scene's file name without folder and
  * ".cfg", and ".h5"; `size` bytes at most. */
 void em_recorder_default_path(const struct em_scene *scene, char *path, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,6 +12,10 @@
 #include "eventmill/scene.h"
 #include "eventmill/start.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_run_file;
 struct em_snapshot;
 
@@ -149,5 +153,9 @@ enum em_status em_run_file_rows(const struct em_run_file *file, uint64_t first,
  * (damaged). */
 enum em_status em_run_file_checkpoint(const struct em_run_file *file, struct em_snapshot **snapshot,
                                       struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,10 +5,18 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Quantile p of sorted values, interpolated between neighbours; NAN for n = 0. */
 double em_sample_quantile(const double *sorted, size_t n, double p);
 
 /* The median of unsorted values; reorders x. NAN for n = 0. */
 double em_sample_median(double *x, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "eventmill/surface_roots.h"
 #include "eventmill/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { EM_SCENE_NAME = 64, EM_SCENE_PATH = 1024 };
 
 #define EM_SHAPE_LIST(X) \
@@ -222,5 +226,9 @@ const char *em_scene_start_name(enum em_start start);
 const char *em_scene_lists_name(enum em_lists lists);
 const char *em_scene_partition_name(enum em_partition partition);
 const char *em_scene_accuracy_name(enum em_accuracy accuracy);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 #include "eventmill/picture.h"
 #include "eventmill/run_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_show;
 
 enum { EM_SHOW_TRAILS = 64, EM_SHOW_MARKS = 4000 };
@@ -38,5 +42,9 @@ enum em_status em_show_at(struct em_show *show, double time, struct em_picture_s
 
 /* The largest number of beads that a state can have. */
 size_t em_show_bead_room(const struct em_show *show);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

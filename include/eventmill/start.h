@@ -7,6 +7,10 @@
 #include "eventmill/error.h"
 #include "eventmill/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The balls of a scene, species after species. All arrays have `count` entries and are owned. */
 struct em_balls {
   size_t count;
@@ -33,5 +37,9 @@ double em_start_mass(const struct em_species *species);
 /* Room for count balls, all zero; NULL when memory is short. */
 struct em_balls *em_start_new(size_t count);
 void em_start_free(struct em_balls *balls);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

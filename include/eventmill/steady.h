@@ -5,6 +5,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum em_steady_found {
   EM_STEADY_NONE,  /* MSER cuts as much as it may, half of the series */
   EM_STEADY_BRIEF, /* the rest has fewer than ten independent values: too short to tell */
@@ -28,5 +32,9 @@ size_t em_steady_mser(const double *x, size_t n);
 double em_steady_geweke(const double *x, size_t n);
 
 struct em_steady em_steady_find(const double *x, size_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

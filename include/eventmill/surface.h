@@ -13,6 +13,10 @@
 
 #include "eventmill/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EM_TIP_LIST(X)        \
   X(FLAT, "flat")             \
   X(HEMISPHERE, "hemisphere") \
@@ -107,5 +111,9 @@ struct em_vec em_surface_blade_normal(const struct em_blade *blade, struct em_ve
 
 /* Velocity (m/s) of the blade's material at the point x. */
 struct em_vec em_surface_blade_velocity(const struct em_blade *blade, struct em_vec x);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

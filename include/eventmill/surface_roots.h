@@ -8,6 +8,10 @@
 #include "eventmill/surface.h"
 #include "eventmill/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define EM_SEARCH_LIST(X)                       \
   X(SAFE, "safe")   /* jumps over no contact */ \
   X(STEPS, "steps") /* the heuristic of Reichardt 2005, 8.4 */
@@ -62,5 +66,9 @@ double em_surface_roots_pair(const struct em_roots *how, const struct em_surface
 
 /* Is anything asked for beyond a choice of the quartic's solver? */
 bool em_surface_roots_special(const struct em_roots *how);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

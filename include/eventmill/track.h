@@ -13,6 +13,10 @@
 
 #include "eventmill/error.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where the plate is in the picture. */
 #define EM_TRACK_PLATE_LIST(X)                                                                   \
   X(AUTO, "auto") /* across the axis of the picture that is nearest to the change of velocity */ \
@@ -71,5 +75,9 @@ int em_track_plate_find(const char *name); /* -1: no such side */
 enum em_status em_track_folder(struct em_track **track, const char *folder,
                                const struct em_track_options *options, struct em_error *err);
 void em_track_free(struct em_track *track);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

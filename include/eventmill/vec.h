@@ -5,6 +5,10 @@
 
 #include <math.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* fmin and fmax of numbers, none of them NaN: one instruction, no call; a gain of 1.01 to 1.02. */
 static inline double em_lesser(double a, double b) {
   return b < a ? b : a;
@@ -59,5 +63,9 @@ static inline double em_vec_norm2(struct em_vec a) {
 static inline double em_vec_norm(struct em_vec a) {
   return sqrt(em_vec_norm2(a));
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "eventmill/error.h"
 #include "eventmill/run_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_view_options {
   double from, to;  /* s; NAN: the first, the last frame */
   double step;      /* s between frames; NAN: the stored frames or, with a collision table, from
@@ -34,5 +38,9 @@ struct em_view_report {
  * empty window), EM_MEMORY, EM_FILE, those of the run file. */
 enum em_status em_view_write(const struct em_run_file *run, const struct em_view_options *options,
                              const char *path, struct em_view_report *report, struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

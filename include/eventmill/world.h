@@ -12,6 +12,10 @@
 #include "eventmill/scene.h"
 #include "eventmill/start.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 struct em_world;
 
 /* With whom a ball has a contact, as one code: another ball (its index) or a surface, EM_SURFACE +
@@ -159,5 +163,9 @@ double em_world_bytes_of_events(const struct em_world *world);
 /* Consistency of all lists, and no overlap beyond `tolerance` (m); for tests. Fills err with the
  * first fault. */
 bool em_world_is_valid(const struct em_world *world, double tolerance, struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

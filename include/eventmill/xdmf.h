@@ -6,6 +6,10 @@
 #include "eventmill/error.h"
 #include "eventmill/run_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* ParaView 5.11 has two families of readers, and no form suits both. */
 enum em_xdmf_form {
   EM_XDMF_HYPERSLAB, /* for "XDMF Reader"; names the run file relative to the sidecar's folder
@@ -17,5 +21,9 @@ enum em_xdmf_form {
  * frames. The file appears complete or not at all. Errors: EM_INPUT (no frames), EM_FILE. */
 enum em_status em_xdmf_write(const struct em_run_file *file, const char *path,
                              enum em_xdmf_form form, struct em_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -49,6 +49,20 @@ if readelf -d "$root/static" | grep -q libeventmill; then
   exit 1
 fi
 
+# All headers serve C++ as well.
+cxx=g++
+[ $compiler = gcc ] || cxx=clang++
+if command -v $cxx >/dev/null; then
+  {
+    echo '#include <cstdio>'
+    for header in "$top"/include/eventmill/*.h; do echo "#include <eventmill/${header##*/}>"; done
+    echo 'int main() { std::puts(em_error_text(EM_INPUT)); }'
+  } >"$root/use.cc"
+  # shellcheck disable=SC2086
+  $cxx -Wall -Wextra -Werror "${sanitize[@]}" "$root/use.cc" $flags -o "$root/use++"
+  LD_LIBRARY_PATH=$top/lib "$root/use++" | grep -qx 'bad input'
+fi
+
 make -s "${settings[@]}" DESTDIR="$root" PREFIX=/opt/mill uninstall
 left=$(find "$top" -type f -o -type l)
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
