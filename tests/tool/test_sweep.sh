@@ -170,7 +170,7 @@ if command -v gnuplot >/dev/null; then
     "$top/scripts/plot-lines" whole power --by balls.count -o lines.gp
   style() { # all but the words and the size
     sed -nE "s/'.*' (at|noenhanced)/\1/; s/ size [0-9]+,[0-9]+//
-      /^set (terminal|encoding|border 3 lw|tics|grid|key top|tmargin|[xy]label|label 100)/p" "$1" | sort
+      /^set (terminal|encoding|border 3 lw|tics|grid|key top right samplen|tmargin|[xy]label|label 100)/p" "$1" | sort
   }
   is "the same style" "$(style hist.gp)" "$(style lines.gp)"
   is "the same colours" "$(grep -o "lines lw 1.5 lc rgb '#[0-9a-f]*" hist.gp | grep -o '#.*' | tr '\n' ' ')" \
