@@ -10,7 +10,7 @@
 #include "tool/millpost.h"
 #include "tool/window.h"
 
-enum { MOST_RUNS = 16, LEAST_BINS = 20, MOST_BINS = 2000, ONLINE_BINS = 160 };
+enum { MOST_RUNS = 16, LEAST_BINS = 100, MOST_BINS = 2000, ONLINE_BINS = 160 };
 
 static const char *const option_names[] = {"of",    "class",      "from",  "to",  "bins",   "above",
                                            "level", "cumulative", "curve", "log", "output", ""};
