@@ -1,10 +1,12 @@
 /* Restitution from film: a ball that is shot at a plate, frame by frame (Reichardt 2005, 7.2).
  *
- * Each frame is divided by the picture without the ball (the median of all frames, scaled to the
- * frame's own brightness), smoothed, cut at Otsu's threshold; contours are followed, and the
- * largest one that is a disc, U²/A ≈ 4π (7-1), is the ball. Its centre and radius are those of the
- * circle through the places around it where the contrast falls to half. A parabola before and one
- * after the impact, of the same curvature, give both speeds at the moment where they meet. */
+ * From each frame the picture without the ball is taken off (the median of all frames, scaled to
+ * the frame's own brightness), so the camera has to stand still and every place has to be free of
+ * the ball in more than half of the frames. The difference is smoothed and cut at a level above its
+ * noise; the largest region that is a disc, U²/A ≈ 4π (7-1), is the ball. Its centre and radius are
+ * those of the circle through its edge, found on the unsmoothed difference, whatever side the ball
+ * is lit from. A parabola before and one after the impact, of the same curvature, give both speeds
+ * at the moment where they meet. */
 #ifndef EVENTMILL_TRACK_H
 #define EVENTMILL_TRACK_H
 
@@ -28,12 +30,16 @@ extern "C" {
 enum em_track_plate { EM_TRACK_PLATE_LIST(EM_TRACK_ENUM) EM_TRACK_PLATES };
 #undef EM_TRACK_ENUM
 
+/* Pixels, of the filter's Gaussian. */
+#define EM_TRACK_SHARPEST  0.5
+#define EM_TRACK_SMOOTHEST 3.0
+
 struct em_track_options {
   double fps;       /* frames per second */
   double scale;     /* m per pixel; 0: from the diameter */
   double diameter;  /* m, of the ball; used when scale is 0 */
   double roundness; /* how far U²/(4πA) may be from 1. 0: 0.15 */
-  double smoothing; /* pixels, standard deviation of the filter. 0: 1.0 */
+  double smoothing; /* pixels, standard deviation of the filter, within the above. 0: 1.0 */
   enum em_track_plate plate;
 };
 
@@ -45,7 +51,7 @@ struct em_track_spot {
   double roundness;       /* U²/(4πA): 1 for a disc */
 };
 
-/* A value and its standard error. */
+/* A value and its standard error; that of a speed includes the scale's. */
 struct em_track_value {
   double value, error;
 };
@@ -53,9 +59,10 @@ struct em_track_value {
 struct em_track {
   size_t frames, width, height;
   size_t count; /* frames in which a ball was found */
+  size_t lost;  /* frames between the first and the last of these in which it was not */
   struct em_track_spot *spot;
-  double scale;                                        /* m per pixel */
-  double radius;                                       /* pixels, median */
+  struct em_track_value scale;                         /* m per pixel; error 0: as given */
+  struct em_track_value radius;                        /* pixels, median */
   enum em_track_plate plate;                           /* as found */
   size_t before, after;                                /* spots on either side of the impact */
   struct em_track_value approach, departure;           /* m/s, along the normal, both ≥ 0 */
@@ -71,7 +78,8 @@ int em_track_plate_find(const char *name); /* -1: no such side */
 
 /* Analyses the PNG files of a folder, in the order of their names. *track is the caller's. Errors:
  * EM_FILE, EM_INPUT (options; frames of different sizes; fewer than three frames with a ball before
- * or after the impact; no impact, or a restitution above 1.5), EM_MEMORY, EM_NUMERIC. */
+ * or after the impact; more frames lost about the impact than seen on a side of it; centres that
+ * are on no two parabolas; no impact, or a restitution above 1.5), EM_MEMORY, EM_NUMERIC. */
 enum em_status em_track_folder(struct em_track **track, const char *folder,
                                const struct em_track_options *options, struct em_error *err);
 void em_track_free(struct em_track *track);

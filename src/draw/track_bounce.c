@@ -1,7 +1,8 @@
 /* Two parabolas of one curvature, s = a₁ + v₁ t + ½ g t² before and s = a₂ + v₂ t + ½ g t² after
  * the impact: linear least squares in (a₁, v₁, a₂, v₂, g). They meet at t* = (a₂ − a₁)/(v₁ − v₂),
- * whatever g is; the speeds are those at t*. Errors come from the covariance. With few frames on a
- * side the curvature cannot be told from the speeds, and straight lines are fitted. */
+ * whatever g is; the speeds are those at t*. Errors come from the covariance. Where the frames
+ * cannot tell g to better than standard gravity, straight lines are fitted, and the speeds' errors
+ * contain what gravity changes from the middle of each line to the impact. */
 #include "draw/track_bounce.h"
 
 #include <gsl/gsl_errno.h>
@@ -9,10 +10,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST = 3, CURVED = 6, MOST_PARAMETERS = 5 };
+enum { LEAST = 3, CURVED = 12, LINES = 4, MOST_PARAMETERS = 5 };
 
 /* Above it, what was fitted is no impact; errors of measurement alone may lead above 1. */
 static const double MOST_RESTITUTION = 1.5;
+
+/* Of the centres about the curves, in radii; pixels if that is more. Above it, they are no curves.
+ */
+static const double WORST_SIGMA = 0.1;
+
+static const double STANDARD_GRAVITY = 9.80665; /* m/s² */
 
 struct bounce {
   int parameters;
@@ -20,6 +27,7 @@ struct bounce {
   double cov[MOST_PARAMETERS][MOST_PARAMETERS];
   double residual;
   size_t n;
+  double middle[2]; /* mean time of either side, s */
 };
 
 struct space {
@@ -36,11 +44,9 @@ static void release(struct space *s) {
   if (s->work) gsl_multifit_linear_free(s->work);
 }
 
-/* t, s: n of each; the first `split` are before the impact. */
-static enum em_status fit(struct bounce *b, const double *t, const double *s, size_t n,
-                          size_t split) {
-  const size_t least = split < n - split ? split : n - split;
-  const size_t m = least >= CURVED ? 5 : 4;
+/* t, s: n of each; the first `split` are before the impact; m: parameters. */
+static enum em_status fit_with(struct bounce *b, const double *t, const double *s, size_t n,
+                               size_t split, size_t m) {
   struct space w = {gsl_matrix_calloc(n, m), gsl_matrix_alloc(m, m), gsl_vector_alloc(n),
                     gsl_vector_alloc(m), gsl_multifit_linear_alloc(n, m)};
   *b = (struct bounce){.parameters = (int)m, .n = n};
@@ -50,8 +56,9 @@ static enum em_status fit(struct bounce *b, const double *t, const double *s, si
       const size_t side = k < split ? 0 : 2;
       gsl_matrix_set(w.x, k, side, 1.0);
       gsl_matrix_set(w.x, k, side + 1, t[k]);
-      if (m > 4) gsl_matrix_set(w.x, k, 4, 0.5 * t[k] * t[k]);
+      if (m > LINES) gsl_matrix_set(w.x, k, LINES, 0.5 * t[k] * t[k]);
       gsl_vector_set(w.y, k, s[k]);
+      b->middle[side / 2] += t[k] / (double)(k < split ? split : n - split);
     }
     code = gsl_multifit_linear(w.x, w.y, w.c, w.cov, &b->residual, w.work);
   }
@@ -64,22 +71,13 @@ static enum em_status fit(struct bounce *b, const double *t, const double *s, si
   return code == GSL_SUCCESS ? EM_OK : code == GSL_ENOMEM ? EM_MEMORY : EM_NUMERIC;
 }
 
-/* The split with the smallest residual of both sides together. EM_INPUT: the ball does not come
- * back. */
-static enum em_status best_split(const double *t, const double *s, size_t n, size_t *split) {
-  double least = INFINITY;
-  for (size_t k = LEAST; k + LEAST <= n; k++) {
-    struct bounce b;
-    const enum em_status status = fit(&b, t, s, n, k);
-    if (status != EM_OK) return status;
-    /* As many degrees of freedom on all splits. */
-    const double value = b.residual / (double)(n - (size_t)b.parameters + 1);
-    if (b.p[1] * b.p[3] < 0.0 && value < least) {
-      least = value;
-      *split = k;
-    }
-  }
-  return isfinite(least) ? EM_OK : EM_INPUT;
+/* Parabolas, if their curvature can be told; else straight lines. */
+static enum em_status fit(struct bounce *b, const double *t, const double *s, size_t n,
+                          size_t split) {
+  if (n < CURVED) return fit_with(b, t, s, n, split, LINES);
+  const enum em_status status = fit_with(b, t, s, n, split, MOST_PARAMETERS);
+  if (status != EM_OK || sqrt(b->cov[LINES][LINES]) < STANDARD_GRAVITY) return status;
+  return fit_with(b, t, s, n, split, LINES);
 }
 
 /* Speeds at the moment of the impact, and the ratio of what leaves to what came. */
@@ -90,6 +88,36 @@ static double figure_of(const struct bounce *b, enum figure which, double at) {
   const double t = isnan(at) ? (p[2] - p[0]) / (p[1] - p[3]) : at;
   const double before = p[1] + p[4] * t, after = p[3] + p[4] * t;
   return which == IMPACT ? t : which == BEFORE ? before : which == AFTER ? after : -after / before;
+}
+
+/* The split with the smallest residual of both sides together, at which the ball comes back and the
+ * curves meet in between. EM_INPUT: there is none. */
+static enum em_status best_split(const double *t, const double *s, size_t n, size_t *split) {
+  const size_t m = n < CURVED ? LINES : MOST_PARAMETERS;
+  double least = INFINITY;
+  for (size_t k = LEAST; k + LEAST <= n; k++) {
+    struct bounce b;
+    const enum em_status status = fit_with(&b, t, s, n, k, m);
+    if (status != EM_OK) return status;
+    const double at = figure_of(&b, IMPACT, NAN), slack = 0.5 * (t[k] - t[k - 1]);
+    const bool between = at > t[k - 1] - slack && at < t[k] + slack;
+    if (between && figure_of(&b, RATIO, NAN) > 0.0 && b.residual < least) {
+      least = b.residual;
+      *split = k;
+    }
+  }
+  return isfinite(least) ? EM_OK : EM_INPUT;
+}
+
+/* What gravity may have changed that straight lines do not know of, in either speed. */
+static double unseen(const struct bounce *b, enum figure which, double at) {
+  if (b->parameters > LINES || which == IMPACT) return 0.0;
+  const double t = isnan(at) ? figure_of(b, IMPACT, NAN) : at;
+  const double before = STANDARD_GRAVITY * (t - b->middle[0]),
+               after = STANDARD_GRAVITY * (t - b->middle[1]);
+  return which == BEFORE  ? before
+         : which == AFTER ? after
+                          : -after / b->p[1] + b->p[3] * before / (b->p[1] * b->p[1]);
 }
 
 /* With the error that the covariance of the parameters passes on. at: the impact, if it is known.
@@ -107,7 +135,13 @@ static struct em_track_value value_of(const struct bounce *b, enum figure which,
   for (int i = 0; i < b->parameters; i++)
     for (int j = 0; j < b->parameters; j++)
       square += slope[i] * slope[j] * b->cov[i][j];
-  return (struct em_track_value){value, sqrt(fmax(square, 0.0))};
+  return (struct em_track_value){value, hypot(sqrt(fmax(square, 0.0)), unseen(b, which, at))};
+}
+
+/* Places in m have the scale's error in common. */
+static struct em_track_value scaled(struct em_track_value v, struct em_track_value scale) {
+  v.error = hypot(v.error, v.value * scale.error / scale.value);
+  return v;
 }
 
 static struct em_track_value turned(struct em_track_value v) {
@@ -149,25 +183,40 @@ static enum em_status analyse(struct em_track *track, double fps, const double *
   if (status == EM_OK) status = fit(&tangent, t, along, n, split);
   if (status != EM_OK) return status;
   const double at = figure_of(&normal, IMPACT, NAN);
-  const struct em_track_value before = value_of(&normal, BEFORE, NAN);
-  const struct em_track_value after = value_of(&normal, AFTER, NAN);
+  const struct em_track_value before = scaled(value_of(&normal, BEFORE, NAN), track->scale);
+  const struct em_track_value after = scaled(value_of(&normal, AFTER, NAN), track->scale);
   track->before = split;
   track->after = n - split;
   track->impact = at + (double)track->spot[0].frame / fps;
   track->approach = negative ? turned(before) : before;
   track->departure = negative ? after : turned(after);
   track->restitution = value_of(&normal, RATIO, NAN);
-  track->tangent_before = value_of(&tangent, BEFORE, at);
-  track->tangent_after = value_of(&tangent, AFTER, at);
+  track->tangent_before = scaled(value_of(&tangent, BEFORE, at), track->scale);
+  track->tangent_after = scaled(value_of(&tangent, AFTER, at), track->scale);
   track->gravity = negative ? -normal.p[4] : normal.p[4];
-  track->sigma = sqrt(normal.residual / (double)(n - (size_t)normal.parameters)) / track->scale;
+  track->sigma =
+      sqrt(normal.residual / (double)(n - (size_t)normal.parameters)) / track->scale.value;
   return EM_OK;
+}
+
+/* Across more frames than are seen on a side, a curve is a guess. */
+static enum em_status judge_gap(const struct em_track *track, const char *film,
+                                struct em_error *err) {
+  const struct em_track_spot *next = track->spot + track->before;
+  const size_t gap = next->frame - next[-1].frame - 1;
+  const size_t least = track->before < track->after ? track->before : track->after;
+  if (gap <= least) return EM_OK;
+  return em_error_set(err, EM_INPUT, film, 0,
+                      "the ball is lost in the %zu frames about the impact, from %zu to %zu; it is "
+                      "found in %zu before and %zu after them: too few to tell the speeds",
+                      gap, next[-1].frame + 1, next->frame - 1, track->before, track->after);
 }
 
 /* What was found must be an impact on the plate. */
 static enum em_status judge(const struct em_track *track, enum em_status status, const char *film,
                             struct em_error *err) {
   const struct em_track_value *e = &track->restitution;
+  const double worst = fmax(WORST_SIGMA * track->radius.value, 1.0);
   if (status == EM_MEMORY) return em_error_set(err, status, film, 0, "no memory for a fit");
   if (status == EM_INPUT)
     return em_error_set(err, status, film, 0,
@@ -178,7 +227,12 @@ static enum em_status judge(const struct em_track *track, enum em_status status,
     return em_error_set(err, EM_INPUT, film, 0,
                         "the ball does not fly towards the plate at the side '%s' and back",
                         em_track_plate_name(track->plate));
-  if (e->value <= MOST_RESTITUTION) return EM_OK;
+  if (track->sigma > worst)
+    return em_error_set(err, EM_INPUT, film, 0,
+                        "the ball's centres scatter by %.2g pixels about two parabolas, at most "
+                        "%.2g are possible: frames are missing or out of order, or it is no ball",
+                        track->sigma, worst);
+  if (e->value <= MOST_RESTITUTION) return judge_gap(track, film, err);
   return em_error_set(err, EM_INPUT, film, 0,
                       "no impact on a plate: the ball would leave it at %.3g ± %.2g of the speed "
                       "with which it came, at most %g is possible",
@@ -197,8 +251,8 @@ enum em_status em_track_bounce(struct em_track *track, double fps, enum em_track
   double *x = t + n, *y = x + n;
   for (size_t k = 0; k < n; k++) {
     t[k] = (double)(track->spot[k].frame - track->spot[0].frame) / fps;
-    x[k] = track->spot[k].x * track->scale;
-    y[k] = track->spot[k].y * track->scale;
+    x[k] = track->spot[k].x * track->scale.value;
+    y[k] = track->spot[k].y * track->scale.value;
   }
   track->plate = plate;
   enum em_status status = choose_plate(&track->plate, t, x, y, n);

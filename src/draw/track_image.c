@@ -11,7 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { MEDIAN_OF = 101, LARGEST_SIDE = 16384 };
+enum { MEDIAN_OF = 41, LARGEST_SIDE = 16384 };
 
 /* ---------------------------------------------------------------- files */
 
@@ -25,7 +25,7 @@ static enum em_status open_png(png_image *image, const char *path, struct em_err
   image->version = PNG_IMAGE_VERSION;
   if (!png_image_begin_read_from_file(image, path))
     return em_error_set(err, EM_FILE, path, 0, "cannot be read: %s", image->message);
-  image->format = PNG_FORMAT_GRAY;
+  image->format = PNG_FORMAT_RGB;
   return EM_OK;
 }
 
@@ -80,7 +80,7 @@ void em_track_image_clear(struct em_film_strip *strip) {
   memset(strip, 0, sizeof *strip);
 }
 
-enum em_status em_track_image_read(const struct em_film_strip *strip, size_t k, uint8_t *grey,
+enum em_status em_track_image_read(const struct em_film_strip *strip, size_t k, uint8_t *rgb,
                                    struct em_error *err) {
   const png_color black = {0, 0, 0};
   png_image image;
@@ -93,7 +93,7 @@ enum em_status em_track_image_read(const struct em_film_strip *strip, size_t k, 
                         "%d x %d pixels, the first frame has %d x %d", w, h, strip->width,
                         strip->height);
   }
-  if (png_image_finish_read(&image, &black, grey, strip->width, NULL)) return EM_OK;
+  if (png_image_finish_read(&image, &black, rgb, 3 * strip->width, NULL)) return EM_OK;
   const enum em_status failed =
       em_error_set(err, EM_FILE, strip->path[k], 0, "cannot be read: %s", image.message);
   png_image_free(&image);
@@ -102,10 +102,10 @@ enum em_status em_track_image_read(const struct em_film_strip *strip, size_t k, 
 
 /* ---------------------------------------------------------------- ground */
 
-static uint8_t median_of(const uint8_t *stack, size_t pixels, size_t pixel, size_t count) {
+static uint8_t median_of(const uint8_t *stack, size_t bytes, size_t at, size_t count) {
   unsigned histogram[256] = {0};
   for (size_t k = 0; k < count; k++)
-    histogram[stack[k * pixels + pixel]]++;
+    histogram[stack[k * bytes + at]]++;
   unsigned level = 0;
   for (size_t sum = histogram[0]; 2 * sum < count; sum += histogram[level])
     level++;
@@ -114,47 +114,50 @@ static uint8_t median_of(const uint8_t *stack, size_t pixels, size_t pixel, size
 
 enum em_status em_track_image_ground(const struct em_film_strip *strip, uint8_t *ground,
                                      struct em_error *err) {
-  const size_t pixels = (size_t)strip->width * (size_t)strip->height;
+  const size_t bytes = 3 * (size_t)strip->width * (size_t)strip->height;
   const size_t count = strip->count < MEDIAN_OF ? strip->count : MEDIAN_OF;
-  uint8_t *stack = malloc(count * pixels);
+  uint8_t *stack = malloc(count * bytes);
   if (stack == NULL)
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for %zu frames", count);
   enum em_status status = EM_OK;
   for (size_t k = 0; k < count && status == EM_OK; k++)
-    status = em_track_image_read(strip, k * strip->count / count, stack + k * pixels, err);
-  for (size_t p = 0; p < pixels && status == EM_OK; p++)
-    ground[p] = median_of(stack, pixels, p, count);
+    status = em_track_image_read(strip, k * strip->count / count, stack + k * bytes, err);
+  for (size_t p = 0; p < bytes && status == EM_OK; p++)
+    ground[p] = median_of(stack, bytes, p, count);
   free(stack);
   return status;
 }
 
-/* ---------------------------------------------------------------- contrast */
+/* ---------------------------------------------------------------- difference */
 
-/* Grey values of 0 carry no light that could be compared. */
-static double light(uint8_t grey) {
-  return grey > 0 ? grey : 1.0;
+/* The median of frame/ground, each value weighted by its light; by a histogram of 0 to 4. */
+static double gain_of(const uint8_t *rgb, const uint8_t *ground, size_t bytes) {
+  enum { BINS = 4000 };
+  size_t weight[BINS + 1] = {0}, all = 0;
+  for (size_t p = 0; p < bytes; p++) {
+    const double ratio = ground[p] > 0 ? (double)rgb[p] / ground[p] : 1.0;
+    weight[ratio < 4.0 ? lround(ratio * (BINS / 4.0)) : BINS] += ground[p];
+    all += ground[p];
+  }
+  size_t sum = weight[0];
+  int bin = 0;
+  while (2 * sum < all)
+    sum += weight[++bin];
+  return bin * (4.0 / BINS);
 }
 
-/* The median of frame/ground, by a histogram of ratios from 0 to 4. */
-static double gain_of(const uint8_t *grey, const uint8_t *ground, size_t pixels) {
-  enum { BINS = 4000 };
-  unsigned histogram[BINS + 1] = {0};
-  for (size_t p = 0; p < pixels; p++) {
-    const double ratio = light(grey[p]) / light(ground[p]);
-    histogram[ratio < 4.0 ? (int)(ratio * (BINS / 4.0)) : BINS]++;
-  }
-  size_t sum = histogram[0];
-  int bin = 0;
-  while (2 * sum < pixels)
-    sum += histogram[++bin];
-  return (bin + 0.5) * (4.0 / BINS);
+void em_track_image_difference(const uint8_t *rgb, const uint8_t *ground, size_t pixels,
+                               float *difference) {
+  const double gain = gain_of(rgb, ground, 3 * pixels);
+  for (size_t p = 0; p < 3 * pixels; p++)
+    difference[p] = (float)(rgb[p] - gain * ground[p]);
 }
 
 static int clamped(int k, int size) {
   return k < 0 ? 0 : k >= size ? size - 1 : k;
 }
 
-/* Along rows (step 1) or columns. */
+/* Of three channels, along rows or columns. */
 static void blur(const float *in, float *out, int width, int height, double sigma, bool down) {
   enum { MOST = 32 };
   float weight[MOST + 1] = {0.0F}, sum = 0.0F;
@@ -165,28 +168,25 @@ static void blur(const float *in, float *out, int width, int height, double sigm
   }
   for (int y = 0; y < height; y++)
     for (int x = 0; x < width; x++) {
-      float value = 0.0F;
+      float value[3] = {0.0F, 0.0F, 0.0F};
       for (int k = -reach; k <= reach; k++) {
         const int u = down ? x : clamped(x + k, width), v = down ? clamped(y + k, height) : y;
-        value += weight[k < 0 ? -k : k] * in[(size_t)v * (size_t)width + (size_t)u];
+        const float *p = in + 3 * ((size_t)v * (size_t)width + (size_t)u);
+        for (int c = 0; c < 3; c++)
+          value[c] += weight[abs(k)] * p[c];
       }
-      out[(size_t)y * (size_t)width + (size_t)x] = value / sum;
+      for (int c = 0; c < 3; c++)
+        out[3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c] = value[c] / sum;
     }
 }
 
-void em_track_image_contrast(const uint8_t *grey, const uint8_t *ground, int width, int height,
-                             double smoothing, float *out, float *work) {
+void em_track_image_contrast(const float *difference, int width, int height, double smoothing,
+                             float *contrast, float *work) {
   const size_t pixels = (size_t)width * (size_t)height;
-  const double gain = gain_of(grey, ground, pixels);
-  float dark = 0.0F, bright = 0.0F;
-  for (size_t p = 0; p < pixels; p++)
-    out[p] = (float)(1.0 - light(grey[p]) / fmax(gain * light(ground[p]), 8.0));
-  blur(out, work, width, height, smoothing, false);
-  blur(work, out, width, height, smoothing, true);
+  blur(difference, work, width, height, smoothing, false);
+  blur(work, contrast, width, height, smoothing, true);
   for (size_t p = 0; p < pixels; p++) {
-    dark = fmaxf(dark, out[p]);
-    bright = fmaxf(bright, -out[p]);
+    const float *v = contrast + 3 * p;
+    contrast[p] = sqrtf((v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / 3.0F);
   }
-  for (size_t p = 0; p < pixels && bright > dark; p++)
-    out[p] = -out[p];
 }

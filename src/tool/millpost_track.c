@@ -37,7 +37,8 @@ static const struct em_millpost_option options[] = {
      EM_MILLPOST_OTHER, AT(track.plate), NULL, 0, read_plate},
     OPTION("roundness", "X", "how far U²/(4πA) of a contour may be from 1; default: 0.15", POSITIVE,
            track.roundness),
-    OPTION("smoothing", "S", "of the frames, in pixels; default: 1", POSITIVE, track.smoothing),
+    OPTION("smoothing", "S", "of the frames, in pixels, 0.5 to 3, more for noise; default: 1",
+           POSITIVE, track.smoothing),
     OPTION("places", NULL, "list centre and radius in each frame", FLAG, places),
     OPTION("output", "FILE", "-o FILE: speed and restitution of each film, for millpost fit", TEXT,
            out),
@@ -53,9 +54,13 @@ static const struct em_millpost_help help = {
     .summary = "Measures the normal restitution of a ball that is shot, or falls, at a plate.",
     .details =
         "Each FOLDER holds one film as PNG frames in the order of their names, from a camera that\n"
-        "stands still. Uneven light, flicker, stripes and noise are taken out; the plate has to "
+        "stands still. Uneven light, flicker, stripes and noise are taken out; the ball may not "
         "be\n"
-        "along a side of the picture. A film without an impact is reported, and the others go on.",
+        "in one place in half of the frames, and the plate has to be along a side of the picture.\n"
+        "With --diameter, errors of speeds contain that of the radius in pixels. A film without "
+        "an\n"
+        "impact, or in which more frames about it are lost than the ball is seen in on a side, is\n"
+        "reported, and the others go on.",
     .examples = "  millpost track shot-17 --fps 5000 --diameter 0.005\n"
                 "  millpost track shots/* --fps 5000 --diameter 0.005 -o shots.txt\n"
                 "  millpost fit shots.txt -o shots.png",
@@ -92,8 +97,11 @@ static void begin_shots(struct em_report *report) {
   em_report_column(report, "before", "frames before", "");
   em_report_column(report, "after", "after", "");
   em_report_column(report, "scale", "scale", "m/pixel");
+  em_report_column(report, "scale_error", "±", "m/pixel");
   em_report_column(report, "radius", "radius", "pixel");
   em_report_column(report, "sigma", "scatter", "pixel");
+  em_report_column(report, "lost", "frames lost", "");
+  em_report_column(report, "frames", "of", "");
 }
 
 static void add_shot(struct em_report *report, const char *folder, const struct em_track *t) {
@@ -109,9 +117,12 @@ static void add_shot(struct em_report *report, const char *folder, const struct 
   em_report_text(report, "%s", em_track_plate_name(t->plate));
   em_report_count(report, t->before);
   em_report_count(report, t->after);
-  em_report_number(report, t->scale);
-  em_report_number(report, t->radius);
+  em_report_number(report, t->scale.value);
+  em_report_number(report, t->scale.error);
+  em_report_number(report, t->radius.value);
   em_report_number(report, t->sigma);
+  em_report_count(report, t->lost);
+  em_report_count(report, t->frames);
 }
 
 static void add_places(struct em_report *report, const char *folder, const struct em_track *t) {
@@ -146,6 +157,11 @@ static struct em_report *report_of(const struct wish *wish, char *const *folder,
   begin_shots(report);
   for (int k = 0; k < count; k++)
     if (track[k]) add_shot(report, folder[k], track[k]);
+  for (int k = 0; k < count; k++)
+    if (track[k] && track[k]->lost > 0)
+      em_report_note(report,
+                     "%s: frames without the ball between the first and the last with it: %zu",
+                     folder[k], track[k]->lost);
   if (!wish->places) return report;
   em_report_begin(report, "places", "The ball, frame by frame");
   em_report_column(report, "film", "film", "");

@@ -30,6 +30,9 @@ struct shot {
   double impact;          /* s */
   enum em_track_plate plate;
   double noise, flicker; /* grey values; relative */
+  double ground;         /* grey value at its brightest. 0: 210 */
+  uint8_t red, green, blue;
+  int hidden, shown; /* frames from the one to before the other are without the ball */
 };
 
 struct studio {
@@ -91,7 +94,9 @@ static double light_at(const struct shot *shot, int x, int y) {
                         : shot->plate == EM_TRACK_LEFT   ? x < 24
                         : shot->plate == EM_TRACK_BOTTOM ? y >= shot->height - 24
                                                          : y < 24;
-  return (210.0 - 160.0 * (u * u + v * v) + 4.0 * sin(1.7 * x)) * (at_plate ? 0.35 : 1.0);
+  const double brightest = shot->ground > 0.0 ? shot->ground / 210.0 : 1.0;
+  return brightest * (210.0 - 160.0 * (u * u + v * v) + 4.0 * sin(1.7 * x)) *
+         (at_plate ? 0.35 : 1.0);
 }
 
 static void spoil(struct studio *s, const struct shot *shot, double gain, const uint8_t *bgra,
@@ -99,11 +104,12 @@ static void spoil(struct studio *s, const struct shot *shot, double gain, const 
   for (int y = 0; y < shot->height; y++)
     for (int x = 0; x < shot->width; x++) {
       const size_t p = 4 * ((size_t)y * (size_t)shot->width + (size_t)x);
-      const double cover = bgra[p + 3] / 255.0, ball = bgra[p + 1];
-      const double grey =
-          gain * (light_at(shot, x, y) * (1.0 - cover) + ball) + shot->noise * normal(s);
-      const uint8_t value = (uint8_t)lround(fmin(fmax(grey, 0.0), 255.0));
-      rgba[p] = rgba[p + 1] = rgba[p + 2] = value;
+      const double ground = light_at(shot, x, y) * (1.0 - bgra[p + 3] / 255.0);
+      const double noise = shot->noise > 0.0 ? shot->noise * normal(s) : 0.0;
+      for (size_t c = 0; c < 3; c++) {
+        const double value = gain * (ground + bgra[p + 2 - c]) + noise;
+        rgba[p + c] = (uint8_t)lround(fmin(fmax(value, 0.0), 255.0));
+      }
       rgba[p + 3] = 255;
     }
 }
@@ -119,7 +125,7 @@ static void draw_ball(struct studio *s, const struct shot *shot, double time) {
   const struct em_sphere ball = {
       .place = {(float)(level ? sign * away : along), (float)(level ? along : sign * away), -1.0F},
       .radius = (float)shot->radius,
-      .rgba = {70, 70, 74, 255},
+      .rgba = {shot->red, shot->green, shot->blue, 255},
   };
   s->gl->ClearColor(0.0F, 0.0F, 0.0F, 0.0F);
   s->gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -135,7 +141,8 @@ static void film(const struct shot *shot, const char *folder) {
   assert_int_equal(mkdir(folder, 0700), 0);
   for (int k = 0; k < shot->frames; k++) {
     struct em_error err;
-    draw_ball(&s, shot, k / shot->fps);
+    const bool hidden = k >= shot->hidden && k < shot->shown;
+    draw_ball(&s, shot, hidden ? -1e3 : k / shot->fps);
     const double gain = 1.0 + shot->flicker * sin(2.0 * M_PI * 100.0 * k / shot->fps);
     spoil(&s, shot, gain, em_canvas_read(s.canvas), rgba);
     snprintf(path, sizeof path, "%s/frame-%d.png", folder, k);
@@ -202,6 +209,9 @@ static const struct shot fast = {
     .plate = EM_TRACK_RIGHT,
     .noise = 4.0,
     .flicker = 0.06,
+    .red = 70,
+    .green = 70,
+    .blue = 74,
 };
 
 /* A drop from a small height onto a plate below. */
@@ -220,6 +230,9 @@ static const struct shot drop = {
     .plate = EM_TRACK_BOTTOM,
     .noise = 4.0,
     .flicker = 0.06,
+    .red = 70,
+    .green = 70,
+    .blue = 74,
 };
 
 static void test_fast_shot(void **state) {
@@ -227,7 +240,7 @@ static void test_fast_shot(void **state) {
   const struct em_track_options o = {.fps = fast.fps, .scale = fast.pixel};
   struct em_track *t = measure(&fast, &o);
   check(t, &fast, 0.01);
-  near(t->radius, 25.0, 0.25, "radius");
+  near(t->radius.value, 25.0, 0.25, "radius");
   near(fabs(t->tangent_before.value), fast.slide, 0.05, "speed along the plate");
   for (size_t k = 0; k < t->count; k++)
     near(t->spot[k].roundness, 1.0, 0.05, "roundness");
@@ -243,6 +256,63 @@ static void test_drop(void **state) {
   near(t->restitution.value, drop.e, 0.01 * drop.e, "restitution");
   near(t->gravity, 9.81, 1.0, "gravity");
   em_track_free(t);
+}
+
+/* Balls that are shaded, or stand out in one colour alone, on light and on dark grounds, with and
+ * without noise, at both ends of the smoothing: found in each frame, radius and speed to 1 %. */
+static void test_looks(void **state) {
+  (void)state;
+  static const struct {
+    double ground, noise, smoothing;
+    uint8_t red, green, blue;
+  } look[] = {
+      {245.0, 0.0, 1.0, 205, 205, 205}, {245.0, 4.0, 3.0, 205, 205, 205},
+      {245.0, 4.0, 0.5, 245, 230, 40},  {30.0, 0.0, 3.0, 190, 190, 190},
+      {30.0, 3.0, 1.0, 190, 190, 190},  {30.0, 0.0, 0.5, 245, 230, 40},
+  };
+  for (size_t k = 0; k < sizeof look / sizeof *look; k++) {
+    struct shot shot = drop;
+    shot.pixel = 2.5e-3 / 9.4;
+    shot.height = 160;
+    shot.fps = 500;
+    shot.frames = 35;
+    shot.ground = look[k].ground;
+    shot.noise = look[k].noise;
+    shot.flicker = 0.01;
+    shot.red = look[k].red, shot.green = look[k].green, shot.blue = look[k].blue;
+    const struct em_track_options o = {
+        .fps = shot.fps, .diameter = 2.0 * shot.radius, .smoothing = look[k].smoothing};
+    struct em_track *t = measure(&shot, &o);
+    assert_int_equal(t->count, shot.frames);
+    assert_int_equal(t->lost, 0);
+    check(t, &shot, 0.01);
+    near(t->radius.value, 9.4, 0.07, "radius");
+    near(t->radius.value, 9.4, 3.0 * t->radius.error, "radius, by its error");
+    near(t->approach.value, shot.speed, 3.0 * t->approach.error, "approach, by its error");
+    em_track_free(t);
+  }
+}
+
+/* Frames that lack the ball are counted; too many about the impact, and nothing is measured. */
+static void test_lost_frames(void **state) {
+  (void)state;
+  struct em_track *t;
+  struct em_error err = {.code = EM_OK};
+  struct shot shot = drop;
+  shot.pixel *= 2.0;
+  shot.height = 160;
+  const struct em_track_options o = {.fps = shot.fps, .scale = shot.pixel};
+  shot.hidden = 32, shot.shown = 37;
+  t = measure(&shot, &o);
+  assert_int_equal(t->lost, 5);
+  assert_int_equal(t->count, shot.frames - 5);
+  check(t, &shot, 0.012);
+  em_track_free(t);
+  shot.hidden = 10, shot.shown = 60;
+  film(&shot, folder_name);
+  assert_int_equal(em_track_folder(&t, folder_name, &o, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "lost in the 50 frames about the impact, from 10 to 59"));
+  clean(folder_name, shot.frames);
 }
 
 /* From all four sides, at several restitutions. */
@@ -279,6 +349,10 @@ static void test_bad_films(void **state) {
   film(&shot, folder_name);
   assert_int_equal(em_track_folder(&t, folder_name, &o, &err), EM_INPUT);
   assert_null(t);
+  o.smoothing = 3.5;
+  assert_int_equal(em_track_folder(&t, folder_name, &o, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "0.5 to 3 are possible"));
+  o.smoothing = 0.0;
   o.fps = 0.0;
   assert_int_equal(em_track_folder(&t, folder_name, &o, &err), EM_INPUT);
   clean(folder_name, shot.frames);
@@ -300,8 +374,36 @@ static enum em_status bounce(struct em_track *track, double turn_x, double turn_
                                      .x = 50.0 + (t < 0.0 ? 2.0 : 2.0 * turn_x) * t,
                                      .y = 50.0 + (t < 0.0 ? 3.0 : 3.0 * turn_y) * t};
   }
-  *track = (struct em_track){.frames = FRAMES, .count = FRAMES, .spot = spot, .scale = 1.0};
+  *track = (struct em_track){.frames = FRAMES, .count = FRAMES, .spot = spot, .scale = {1.0, 0.0}};
   return em_track_bounce(track, 1.0, EM_TRACK_AUTO, "a-film", err);
+}
+
+/* Four frames on a side do not tell gravity, and the errors say what it may have done; an error of
+ * the scale is one of the speeds, not of their ratio. */
+static void test_errors(void **state) {
+  (void)state;
+  enum { FRAMES = 8 };
+  struct em_track_spot spot[FRAMES];
+  struct em_error err = {.code = EM_OK};
+  for (size_t k = 0; k < FRAMES; k++) {
+    const double t = ((double)k - 3.5) / 100.0;
+    spot[k] = (struct em_track_spot){.frame = k,
+                                     .x = 1e3 * ((t < 0.0 ? 1.0 : -0.8) * t + 0.5 * 9.81 * t * t)};
+  }
+  struct em_track track = {.frames = FRAMES, .count = FRAMES, .spot = spot, .scale = {1e-3, 0.0}};
+  assert_int_equal(em_track_bounce(&track, 100.0, EM_TRACK_RIGHT, "a-film", &err), EM_OK);
+  near(track.restitution.value, 0.8, 2.0 * track.restitution.error, "restitution");
+  near(track.approach.value, 1.0, 2.0 * track.approach.error, "approach");
+  near(track.departure.value, 0.8, 2.0 * track.departure.error, "departure");
+  const double alone = track.approach.error, ratio = track.restitution.error;
+  track.scale.error = 3e-4;
+  assert_int_equal(em_track_bounce(&track, 100.0, EM_TRACK_RIGHT, "a-film", &err), EM_OK);
+  near(track.approach.error, hypot(alone, 0.3 * track.approach.value), 1e-9, "error of the speed");
+  near(track.restitution.error, ratio, 1e-12, "error of the ratio");
+  for (size_t k = 0; k < 2; k++)
+    spot[k].x -= 30.0; /* as if frames were missing */
+  assert_int_equal(em_track_bounce(&track, 100.0, EM_TRACK_RIGHT, "a-film", &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "about two parabolas"));
 }
 
 /* The plate is where the coordinate that comes back was going, whatever the other one does. */
@@ -325,8 +427,10 @@ static void test_plate(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_fast_shot), cmocka_unit_test(test_drop),  cmocka_unit_test(test_sides),
-      cmocka_unit_test(test_bad_films), cmocka_unit_test(test_plate),
+      cmocka_unit_test(test_fast_shot),   cmocka_unit_test(test_drop),
+      cmocka_unit_test(test_sides),       cmocka_unit_test(test_bad_films),
+      cmocka_unit_test(test_plate),       cmocka_unit_test(test_looks),
+      cmocka_unit_test(test_lost_frames), cmocka_unit_test(test_errors),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
