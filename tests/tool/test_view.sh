@@ -95,6 +95,49 @@ print("yes" if good and shot["plate"] == "right" else shot)
 PY
 )"
 is "a pair for fit" 1 "$(grep -c '^1[45][.][0-9]* 0[.][56][0-9]* ' "$work/pairs.txt")"
+# The picture without the ball stands for frames that lack it.
+mkdir "$work/gaps"
+cp "$film"/*.png "$work/gaps"
+ffmpeg -v error -f lavfi -i "color=gray:s=260x80:r=25,format=gray,geq=lum=170" -frames:v 1 "$work/blank.png" || exit 2
+for k in 5 6 21; do cp "$work/blank.png" "$work/gaps/$k.png"; done
+expect 0 "" "track of a film with gaps" "$post" track "$work/gaps" --fps 5000 --diameter 0.005
+is "says how many frames are lost" 1 "$(grep -c 'gaps: frames without the ball .*: 3$' "$work/out")"
+for k in {8..34}; do cp "$work/blank.png" "$work/gaps/$k.png"; done
+expect 2 "gaps: error: the ball is lost in the 27 frames about the impact, from 7 to 33" "track across a gap" \
+  "$post" track "$work/gaps" --fps 5000 --diameter 0.005
+expect 2 "0.5 to 3 are possible" "track of what is smoothed away" \
+  "$post" track "$film" --fps 5000 --diameter 0.005 --smoothing 4
+
+# Frames of a run, of a ball as light as the ground and of one that differs from it in its blue alone.
+cat >"$work/shot.cfg" <<'CFG'
+title="shot"; duration=0.02; gravity=[0.0,0.0,-9.81];
+chamber={shape="box";size=[0.06,0.06,0.06];};
+balls={start="table";count=1;diameter=0.005;table=((0.03,0.03,0.03,0.0,0.0,-3.0));};
+contact={rule="smooth";normal=0.8;};
+record={frames=2000.0;collisions=true;};
+CFG
+"$bin/mill" run "$work/shot.cfg" --quiet -o "$work/shot.h5" >"$work/out" || exit 2
+for look in "plain" "speed --map ember --scale 0:3"; do
+  rm -rf "$work/shot" && mkdir "$work/shot"
+  for k in {00..19}; do
+    # shellcheck disable=SC2086
+    "$post" frame "$work/shot.h5" --at "0.0$k" --camera side --parallel --size 320x240 \
+      --hide drum,legend,histogram --colour $look -q -o "$work/shot/$k.png" || exit 2
+  done
+  expect 0 "" "track of a run's ball, colour $look" \
+    "$post" track "$work/shot" --fps 1000 --diameter 0.005 --json
+  is "finds it in all frames, and what the scene says" "yes" "$(/usr/bin/python3 - "$work/out" <<'PY'
+import json, math, sys
+shot = json.load(open(sys.argv[1]))["shots"][0]
+v = math.sqrt(9 + 2 * 9.81 * (0.03 - 0.0025))
+good = shot["before"] + shot["after"] == 20 and abs(shot["radius"] / 9.375 - 1) < 0.008
+good = good and abs(shot["speed"] / v - 1) < 0.01 and abs(shot["speed"] - v) < 3 * shot["speed_error"]
+good = good and abs(shot["restitution"] - 0.8) < 4 * shot["restitution_error"] + 1e-4
+print("yes" if good else shot)
+PY
+)"
+done
+
 # A disc that turns back faster than it came, as no plate makes it.
 mkdir "$work/kick"
 x='if(lt(N,16),40+9*N,184-16*(N-16))'
