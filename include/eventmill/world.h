@@ -145,8 +145,9 @@ enum em_status em_world_snapshot(const struct em_world *world, struct em_snapsho
 enum em_status em_world_snapshot_now(const struct em_world *world, struct em_snapshot **snapshot,
                                      struct em_error *err);
 /* A world that continues from a copy; one of em_world_snapshot belongs to its own scene. Radii and
- * masses are those of the scene, which must outlive the world. Errors: EM_MEMORY, EM_INPUT (the
- * scene has not as many balls and blades). Balls are not checked for overlap. */
+ * masses are those of the scene, which must outlive the world. Errors: EM_MEMORY, EM_INPUT (a copy
+ * that does not fit the scene, or from which no world can go on: times to come, balls outside,
+ * numbers not finite). Balls are not checked for overlap. */
 enum em_status em_world_resume(struct em_world **world, const struct em_scene *scene,
                                const struct em_snapshot *snapshot, struct em_error *err);
 /* Room for a copy, all zero; NULL when memory is short. */

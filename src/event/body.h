@@ -124,6 +124,8 @@ bool em_body_next_epoch(struct em_world *world);
 /* Have all balls finite states, and do none overlap by more than `tolerance` (m)? Fills err with
  * the first fault. */
 bool em_world_valid_balls(struct em_world *world, double tolerance, struct em_error *err);
+/* Can the engine go on from the state that a snapshot gave? Fills err with the first fault. */
+bool em_world_valid_restart(const struct em_world *world, struct em_error *err);
 /* Are the event lists and the partition consistent? Builds with assertions ask at each epoch. */
 bool em_world_valid_lists(const struct em_world *world);
 

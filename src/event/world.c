@@ -531,7 +531,7 @@ enum em_status em_world_resume(struct em_world **world, const struct em_scene *s
   em_start_free(balls);
   if (status) return status;
   restore(w, snapshot);
-  status = set_lists(w, err);
+  status = em_world_valid_restart(w, err) ? set_lists(w, err) : EM_INPUT;
   if (!status) status = predict_all(w, err);
   if (status) {
     em_world_free(w);

@@ -462,11 +462,22 @@ static enum em_status reload_blocks(struct recorder *r, const struct em_run_file
 
 static enum em_status reload_world(struct recorder *r, const struct em_run_file *file,
                                    struct em_error *err) {
+  const char *path = em_run_file_path(file);
   struct em_snapshot *snapshot = NULL;
-  enum em_status status = em_run_file_checkpoint(file, &snapshot, err);
-  if (!status) status = em_world_resume(&r->world, r->scene, snapshot, err);
+  struct em_error inner = {0};
+  enum em_status status = em_run_file_checkpoint(file, &snapshot, &inner);
+  if (!status) status = em_world_resume(&r->world, r->scene, snapshot, &inner);
   em_world_snapshot_free(snapshot);
-  return status;
+  if (status == EM_INPUT)
+    return em_error_set(err, EM_FORMAT, path, 0, "cannot be resumed:\n%.2000s", inner.text);
+  if (status) {
+    if (err) *err = inner;
+    return status;
+  }
+  const double time = em_world_time(r->world), said = r->state.time;
+  if (fabs(time - said) <= 1e-14 * said) return EM_OK;
+  return em_error_set(err, EM_FORMAT, path, 0, "its checkpoint is of %.9g s, expected %.9g s", time,
+                      said);
 }
 
 static enum em_status go_on(struct recorder *r, const struct em_run_file *file,

@@ -4,6 +4,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -172,12 +173,58 @@ static void test_other_scenes(void **state) {
         "rotor.rpm=-500", 0.03);
 }
 
+/* A copy with one number replaced is refused, by the name of what is wrong with it. */
+static void refuse(struct em_snapshot *s, const struct em_scene *scene, const char *expected) {
+  struct em_world *world = NULL;
+  struct em_error err = {0};
+  if (em_world_resume(&world, scene, s, &err) != EM_INPUT || world || !strstr(err.text, expected))
+    fail_msg("\"%s\", expected \"%s\"", err.text, expected);
+}
+
+static void replace(struct em_snapshot *s, const struct em_scene *scene, double *number,
+                    double wrong, const char *expected) {
+  const double right = *number;
+  *number = wrong;
+  refuse(s, scene, expected);
+  *number = right;
+}
+
+static void test_damaged(void **state) {
+  (void)state;
+  struct trial t;
+  struct em_snapshot *s;
+  trial_open(&t, MILL, "balls.count=300");
+  trial_run(&t, 1.5 * t.world->epoch_length);
+  assert_int_equal(em_world_snapshot(t.world, &s, &t.err), EM_OK);
+  const double none[] = {NAN, INFINITY, -INFINITY, 1e300};
+  for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
+    replace(s, t.scene, &s->velocity[7].y, none[k], "ball 7 of the checkpoint: expected a finite");
+    replace(s, t.scene, &s->position[0].x, none[k], "ball 0 of the checkpoint: expected a place");
+    replace(s, t.scene, &s->spin[299].z, none[k], "expected a finite spin");
+    replace(s, t.scene, &s->time[9], none[k], "expected a last contact in the past");
+    replace(s, t.scene, &s->blade_angle[1], none[k], "blade 1 of the checkpoint: found an angle");
+  }
+  replace(s, t.scene, &s->position[0].y, 1.0, "expected a place in the chamber");
+  replace(s, t.scene, &s->time[9], nextafter(s->clock, 1.0), "expected a last contact");
+  replace(s, t.scene, &s->time[9], -2.0 * t.world->epoch_length, "expected a last contact");
+  replace(s, t.scene, &s->clock, NAN, "expected a time not below 0");
+  const uint32_t code[] = {300, 299, 4000000000u, EM_SURFACE_BLADE(t.world->blade_count)};
+  for (size_t k = 0; k < sizeof code / sizeof *code; k++) {
+    const uint32_t right = s->last[299];
+    s->last[299] = code[k];
+    refuse(s, t.scene, "ball 299 of the checkpoint: expected a last partner");
+    s->last[299] = right;
+  }
+  go_on_from(&t, s);
+  trial_free(&t);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mill),         cmocka_unit_test(test_structures),
       cmocka_unit_test(test_remedies),     cmocka_unit_test(test_ramps),
       cmocka_unit_test(test_boxes),        cmocka_unit_test(test_numbers),
-      cmocka_unit_test(test_other_scenes),
+      cmocka_unit_test(test_other_scenes), cmocka_unit_test(test_damaged),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -132,6 +132,28 @@ for ((k = 0; k < FLIPS; k++)); do
 done
 is "resuming a file with one bit turned" ok "$worst"
 
+# spoil PATH INDEX NUMBER: half.h5 with one number of its checkpoint replaced, as bad/run.h5.
+spoil() {
+  cp "$work/half.h5" "$work/bad/run.h5"
+  /usr/bin/python3 - "$work/bad/run.h5" "$@" <<'END'
+import sys, h5py
+file, path, at, number = sys.argv[1:]
+with h5py.File(file, "r+") as f:
+    here = f["eventmill/checkpoint"]
+    if path in here.attrs:
+        here.attrs.modify(path, float(number))
+    else:
+        here[path][tuple(map(int, at.split(",")))] = float(number)
+END
+}
+for one in "velocity 7,1 nan" "velocity 7,1 1e300" "position 7,0 inf" "time 7 nan" "time 7 1e300" \
+  "blade_angle 0 inf" "last 7 4000000000" "clock 0 1e300" "epoch 0 1e15"; do
+  # shellcheck disable=SC2086
+  spoil $one
+  expect 2 "error" "resuming a checkpoint with $one" timeout 60 \
+    "$mill" run "${small[@]}" duration=0.02 -o "$work/bad/run.h5" --resume -q
+done
+
 # ---------------------------------------------------------------- scenes
 mkdir "$work/scenes"
 worst=ok
