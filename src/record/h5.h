@@ -66,4 +66,7 @@ bool em_h5_read(hid_t file, const char *path, hid_t memory_type, void *data);
 bool em_h5_put_document(hid_t file, const char *path, const char *text);
 char *em_h5_get_document(hid_t file, const char *path, size_t limit);
 
+/* Reads all that is in the file; false: something cannot be read, and its path is in `fault`. */
+bool em_h5_is_whole(hid_t file, char *fault, size_t size);
+
 #endif

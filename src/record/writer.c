@@ -81,7 +81,10 @@ enum em_status em_writer_resume(struct em_writer *writer, const struct em_scene 
   const enum em_status status = begin(writer, scene, true, err);
   if (status) return status;
   writer->file = open_file(writer, false);
-  if (writer->file < 0 || !em_writer_file_resume(writer))
+  char fault[256] = "/";
+  if (writer->file < 0 || !em_h5_is_whole(writer->file, fault, sizeof fault))
+    return em_error_set(err, EM_FORMAT, writer->path, 0, "%s: damaged", fault);
+  if (!em_writer_file_resume(writer))
     return em_error_set(err, EM_FORMAT, writer->path, 0, "its datasets do not fit its checkpoint");
   if (em_twin_errno(writer->twin)) return failed(writer, err);
   return make_table(writer, writer->rows) ? EM_OK : no_memory(writer->path, err);
