@@ -62,9 +62,9 @@ int em_mill_unknown(const struct em_mill_help *help, const char *letters, int le
 int em_mill_read(struct em_scene **scene, const struct em_mill_options *options);
 int em_mill_scene(struct em_scene **scene, const struct em_mill_options *options);
 
-/* From now on SIGTERM, however often, and the first SIGINT ask for an end by what this points to. A
- * second SIGINT ends the program at once: it comes from people, SIGTERM from programs, which repeat
- * it and have SIGKILL. */
+/* From now on SIGTERM and SIGHUP (a closed terminal; not under nohup), however often, and the first
+ * SIGINT ask for an end by what this points to. A second SIGINT ends the program at once: it comes
+ * from people, the others from programs, which repeat them and have SIGKILL. */
 const volatile sig_atomic_t *em_mill_signals(void);
 
 /* Prints the error's text to stderr. */

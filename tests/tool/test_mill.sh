@@ -124,7 +124,7 @@ expect 0 "" "what is advised works" "$mill" run "${gliding[@]}" duration=0.5 rem
 # ---------------------------------------------------------------- signals
 long=(geometries/simoloyer-2l.cfg duration=0.06 balls.count=1000)
 "$mill" run "${long[@]}" -o "$work/whole.h5" -q
-for signal in INT TERM; do
+for signal in INT TERM HUP; do
   rm -f "$work/cut.h5"
   "$mill" run "${long[@]}" duration=50.0 -o "$work/cut.h5" >"$work/out" 2>"$work/err" &
   pid=$!
@@ -140,6 +140,16 @@ for signal in INT TERM; do
   report "$verdict" "SIG$signal ends the run with exit code 1"
   check "with a valid file" bash -c "h5dump -a /eventmill/end '$work/cut.h5' | grep -q interrupted"
 done
+
+(trap '' HUP; exec "$mill" run "${long[@]}" duration=50.0 -o none -q >"$work/out" 2>"$work/said") &
+pid=$!
+sleep 0.5
+kill -HUP $pid
+sleep 0.3
+kill -0 $pid
+is "under nohup a closed terminal does not end it" 0 $?
+kill -INT $pid
+wait $pid
 
 "$mill" run geometries/simoloyer-2l.cfg duration=1 balls.count=260000 balls.diameter=0.002 -o none -q \
   >"$work/out" 2>"$work/said" &
