@@ -98,8 +98,8 @@ static void check_blades(struct em_scene_report *report, const struct em_scene *
 
 /* ---- balls */
 
-static void species_path(const struct em_scene *scene, size_t k, const char *entry, size_t size,
-                         char *path) {
+void em_scene_check_species_path(const struct em_scene *scene, size_t k, const char *entry,
+                                 size_t size, char *path) {
   if (scene->species_count > 1)
     snprintf(path, size, "balls.%zu.%s", k, entry);
   else
@@ -114,7 +114,7 @@ static void check_diameter(struct em_scene_report *report, const struct em_scene
   double side[3] = {drum ? c->diameter : c->size.x, drum ? c->length : c->size.y,
                     drum ? c->diameter : c->size.z};
   char path[64];
-  species_path(scene, k, "diameter", sizeof path, path);
+  em_scene_check_species_path(scene, k, "diameter", sizeof path, path);
   for (int i = drum ? 1 : 0; i < 3; ++i) {
     if ((!drum && c->periodic[i]) || d < side[i]) continue;
     em_scene_report_path(report, path,
@@ -170,7 +170,7 @@ static void check_packing(struct em_scene_report *report, const struct em_scene 
     balls += ball_volume(s);
     double share = s->has_region ? ball_volume(s) / region_volume(scene, s) : 0.0;
     char path[64];
-    species_path(scene, k, "region", sizeof path, path);
+    em_scene_check_species_path(scene, k, "region", sizeof path, path);
     if (share > DENSEST)
       em_scene_report_path(report, path, "%zu balls would fill %.3g of it, expected at most %.2f",
                            s->count, share, DENSEST);
@@ -194,7 +194,7 @@ static void check_region(struct em_scene_report *report, const struct em_scene *
   if (!s->has_region) return;
   struct em_vec low, high;
   char path[64];
-  species_path(scene, k, "region", sizeof path, path);
+  em_scene_check_species_path(scene, k, "region", sizeof path, path);
   em_scene_bounds(scene, &low, &high);
   bool inside = true;
   for (int i = 0; i < 3; ++i) {
@@ -229,6 +229,7 @@ static void check_facets(struct em_scene_report *report, const struct em_chamber
 
 void em_scene_check_all(struct em_scene_report *report, const struct em_scene *scene) {
   size_t before = report->errors;
+  if (!em_scene_check_range(report, scene)) return;
   check_facets(report, &scene->chamber);
   check_periodic(report, scene);
   for (size_t k = 0; k < scene->species_count; ++k)

@@ -51,6 +51,45 @@ static void masses(void **state) {
            "no overlap above 1e-11 d", "energy %.1e", error);
 }
 
+/* The same scene in units of 2^a m, 2^b s, 2^c kg: not a bit differs but in the exponents. */
+static uint64_t in_units(int a, int b, int c, double *lost) {
+  const double l = exp2(a), v = exp2(a - b), f = exp2(-b);
+  char text[2048];
+  snprintf(text, sizeof text,
+           "gravity=[0.0,0.0,%.17g];chamber={shape=\"drum\";diameter=%.17g;length=%.17g;};"
+           "rotor={rpm=%.17g;radius=%.17g;reach=%.17g;blades=({y=%.17g;},{y=%.17g;angle_deg=90.0;"
+           "});};balls={count=200;diameter=%.17g;density=%.17g;speed=%.17g;};"
+           "contact={rule=\"rough\";normal=0.9;};remedy={jam_within=%.17g;};",
+           -9.5 * v * f, 0.125 * l, 0.125 * l, 1300.0 * f, 0.0078125 * l, 0.046875 * l, 0.03125 * l,
+           0.09375 * l, 0.0078125 * l, 7850.0 * exp2(c) / l / l / l, v, 1e-8 / f);
+  struct trial t;
+  trial_open(&t, text, "%s", "");
+  trial_run(&t, 0.05 / f);
+  trial_valid(&t, 1e-12 * 0.0078125 * l);
+  *lost = em_world_tally(t.world)->lost[EM_CLASS_BALL] / (exp2(c) * v * v);
+  const uint64_t count = em_world_collisions(t.world);
+  trial_free(&t);
+  return count;
+}
+
+static void units(void **state) {
+  (void)state;
+  static const int unit[][3] = {{170, 170, 480}, {-170, -170, -480}, {235, 0, 0},
+                                {-225, 0, 0},    {330, 330, 0},      {-330, -330, 0},
+                                {0, 200, 0},     {0, -220, 0},       {0, 0, 450},
+                                {0, 0, -450},    {200, 180, 100},    {-200, -240, 100}};
+  enum { UNITS = sizeof unit / sizeof *unit };
+  double lost, scaled;
+  const uint64_t count = in_units(0, 0, 0, &lost);
+  assert_true(count > 1000);
+  for (int k = 0; k < UNITS; k++) {
+    assert_int_equal(in_units(unit[k][0], unit[k][1], unit[k][2], &scaled), count);
+    assert_true(scaled == lost);
+  }
+  hard_row("units", "the mill in units of 2^±330 m, 2^±330 s, 2^±480 kg", UNITS,
+           "the same collisions, to the bit", "%.0f differ", 0.0);
+}
+
 static void few(void **state) {
   (void)state;
   struct trial t;
@@ -342,7 +381,7 @@ int main(void) {
       cmocka_unit_test(sizes),     cmocka_unit_test(masses),      cmocka_unit_test(few),
       cmocka_unit_test(just_fits), cmocka_unit_test(crystal),     cmocka_unit_test(late),
       cmocka_unit_test(long_time), cmocka_unit_test(gas_falling), cmocka_unit_test(walls),
-      cmocka_unit_test(gas_long),
+      cmocka_unit_test(gas_long),  cmocka_unit_test(units),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -55,6 +55,44 @@ static void syntax(void **state) {
   CHECK_ALL(faults);
 }
 
+/* What makes numbers that are none, or lose their digits, is refused by its entry. */
+#define OF(length, diameter, density, speed)                                                    \
+  "gravity = \"none\"; chamber = { shape = \"box\"; size = [" length ", " length ", " length    \
+  "]; };\nballs = { count = 10; diameter = " diameter "; density = " density "; speed = " speed \
+  "; };\n"
+static void magnitudes(void **state) {
+  (void)state;
+  static const struct fault faults[] = {
+      {OF("1e110", "1e100", "1e-300", "1.0"), "bad.cfg:1: error: chamber.size: found 1e+110 m"},
+      {OF("1.0", "1e-110", "1e270", "1.0"), "bad.cfg:2: error: balls.diameter: found 1e-110 m"},
+      {OF("1.5e54", "2e53", "1000.0", "1.0"),
+       "bad.cfg:2: error: balls.density: found 1000 kg/m³, balls of 4.19e+162 kg, expected"},
+      {OF("1e-60", "1e-61", "1000.0", "1.0"), "bad.cfg:2: error: balls.density: found 1000 kg/m³"},
+      {OF("1e90", "1e89", "1e-130", "1.0"),
+       "bad.cfg:2: error: balls.density: found 1e-130 kg/m³, m d² = "},
+      {OF("0.1", "0.01", "1000.0", "1e155"),
+       "bad.cfg:2: error: balls.speed: makes speeds of 1e+155 m/s, expected at most"},
+      {OF("0.1", "0.01", "1e158", "1000.0"),
+       "bad.cfg:2: error: balls.speed: makes speeds of 1000 m/s"},
+      {OF("0.1", "0.01", "1e-147", "0.1"), "bad.cfg:2: error: balls: found speeds of 0.1 m/s"},
+      {OF("0.1", "0.01", "1000.0", "1e-150"), "bad.cfg:2: error: balls: found speeds of 1e-150"},
+      {DRUM BALLS "gravity = [1e220, 0.0, 0.0];", "bad.cfg:3: error: gravity: found 1e+220 m/s²"},
+      {DRUM "balls = { count = 1; diameter = 0.005; speed = 0.0; };\ngravity = [0.0, 0.0, 1e-200];",
+       "bad.cfg:3: error: gravity: found 1e-200 m/s², expected 0, or"},
+      {DRUM BALLS "rotor = { rpm = 1e200; blades = { " BAR " }; };",
+       "bad.cfg:3: error: rotor.rpm: found 1.047e+199 rad/s"},
+      {DRUM BALLS "rotor = { rpm = 1e150; blades = { " BAR " }; };",
+       "bad.cfg:3: error: rotor.rpm: makes speeds of"},
+      {"chamber = { diameter = 0.146; length = 0.135; rpm = -1e200; };\n" BALLS,
+       "bad.cfg:1: error: chamber.rpm: found 1.047e+199 rad/s"},
+      {DRUM BALLS "duration = 1e200;", "bad.cfg:3: error: duration: found 1e+200 s"},
+      {DRUM "balls = { diameter = 0.005; start = \"table\"; table = ((0.0, 0.05, 0.0, 1e200, 0.0, "
+            "0.0)); };",
+       "bad.cfg:2: error: balls.table: makes speeds of"},
+  };
+  CHECK_ALL(faults);
+}
+
 static void names(void **state) {
   (void)state;
   static const struct fault faults[] = {
@@ -319,6 +357,7 @@ static void too_many_faults(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(syntax),
+      cmocka_unit_test(magnitudes),
       cmocka_unit_test(names),
       cmocka_unit_test(types_and_ranges),
       cmocka_unit_test(missing_and_misplaced),
