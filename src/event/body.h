@@ -93,6 +93,7 @@ struct em_world {
   size_t observers;
   struct em_tally tally;
   struct em_ties ties;
+  const volatile sig_atomic_t *stop; /* of the run that goes on; may be NULL */
 };
 
 /* The loop, compiled once per set of effects. */

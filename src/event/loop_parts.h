@@ -51,6 +51,10 @@ static inline bool local_add(struct em_world *w, uint32_t i, const struct em_pre
   return w->keeps_all ? w->local_kind->add(w->local, i, p) : em_local_first_add(w->local, i, p);
 }
 
+static inline bool is_stopped(const struct em_world *w) {
+  return w->stop && *w->stop;
+}
+
 struct candidates {
   const uint32_t *id;
   uint32_t count;

@@ -221,10 +221,10 @@ static enum em_status FN(hit_surface)(struct em_world *w, uint32_t i, uint32_t c
 }
 
 /* Ball i, whose event may be one of those at t: what only updates lists is worked off, and if that
- * leaves a contact, it is entered, in place of another. */
+ * leaves a contact, it is entered, in place of another; not when the run is to stop. */
 static __attribute__((cold)) bool FN(enter)(struct em_world *w, uint32_t i, double t) {
   em_ties_remove(&w->ties, i);
-  while (local_least(w, i) <= t) {
+  while (local_least(w, i) <= t && !is_stopped(w)) {
     if (is_real(w, i, t)) {
       em_ties_add(&w->ties, i, local_first(w, i)->partner);
       return true;
@@ -267,13 +267,13 @@ static __attribute__((cold)) bool FN(gather)(struct em_world *w, double t) {
 }
 
 /* Several balls have their events at t: which goes first, when what only updates lists is worked
- * off; EM_NOBODY: no contact is left. False: no memory. */
+ * off; EM_NOBODY: no contact is left, or the run is to stop. False: no memory. */
 static __attribute__((noinline, cold)) bool FN(untie)(struct em_world *w, double t,
                                                       uint32_t *first) {
   struct em_ties *ties = &w->ties;
   const bool known = ties->count > 0 && ties->time == t && w->contacts == ties->contacts + 1;
   if (known ? !FN(follow)(w, t) : !FN(gather)(w, t)) return false;
-  *first = em_ties_first(ties);
+  *first = is_stopped(w) ? EM_NOBODY : em_ties_first(ties);
   ties->time = t, ties->last = *first, ties->contacts = w->contacts;
   return true;
 }
@@ -283,6 +283,7 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
   uint64_t turns = 0;
   const bool bins = w->calendar && !w->keeps_all;
   const bool foresight = bins && w->count >= EM_FETCH_FROM && w->partition_kind->fetch;
+  w->stop = stop;
   while (*left > 0) {
     if (bins && em_calendar_is_over(w->queue)) {
       if (!em_calendar_advance(w->queue)) return EM_OK;

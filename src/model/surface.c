@@ -107,7 +107,7 @@ static inline __attribute__((always_inline)) double safe(const double *q, int de
   const double a[5] = {q[0], q[1], q[2], q[3], degree == 4 ? q[4] : 0.0};
   double top = guess, t = 0.0;
   struct jet end = jet_at(a, top);
-  while (!(end.value > 0.0))
+  while (!(end.value > 0.0) && top < 2.0 * top) /* neither 0 nor infinite */
     end = jet_at(a, top *= 2.0);
   for (int step = 0;; step++) {
     if (t > horizon) return INFINITY;

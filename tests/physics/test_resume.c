@@ -2,9 +2,11 @@
  * at whatever moment it was stopped and with every effect. */
 #include <math.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/time.h>
 
 #include <cmocka.h>
 
@@ -219,12 +221,39 @@ static void test_damaged(void **state) {
   trial_free(&t);
 }
 
+static volatile sig_atomic_t stop;
+
+static void on_alarm(int number) {
+  stop = number;
+}
+
+/* Whatever the state, a request to stop is heard. */
+static void test_stops(void **state) {
+  (void)state;
+  static const char *const scene[] = {"geometries/ideal-gas.cfg", "geometries/ideal-gas-gravity.cfg"};
+  static const double speed[] = {1e300, 1e200, 1e160};
+  signal(SIGALRM, on_alarm);
+  for (size_t k = 0; k < 6; k++) {
+    struct trial t;
+    trial_open(&t, scene[k % 2], "%s", "balls.count=300");
+    trial_run(&t, 0.01);
+    t.world->body[7].vx = speed[k / 2];
+    t.world->body[8].t = 0.0;
+    stop = 0;
+    const struct itimerval soon = {.it_value = {.tv_usec = 50000}};
+    setitimer(ITIMER_REAL, &soon, NULL);
+    if (t.world->loop->predict_all(t.world)) em_world_run(t.world, 1e9, &stop, &t.err);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mill),         cmocka_unit_test(test_structures),
       cmocka_unit_test(test_remedies),     cmocka_unit_test(test_ramps),
       cmocka_unit_test(test_boxes),        cmocka_unit_test(test_numbers),
       cmocka_unit_test(test_other_scenes), cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_stops),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
