@@ -47,7 +47,7 @@ static bool tree_row(struct em_scene_report *report, const config_setting_t *set
 }
 
 static bool is_gap(char c) {
-  return c == ',' || c == ';' || isspace((unsigned char)c);
+  return c == ',' || isspace((unsigned char)c);
 }
 
 /* Numbers of one line of a file; -1 when something else stands there. */
@@ -82,7 +82,8 @@ static bool file_row(struct em_scene_report *report, const char *path, int numbe
   /* The first line of a CSV file may hold the names of its columns. */
   if (n == -1 && number == 1 && is_heading(line)) return true;
   if (n != 6 && n != 9) {
-    em_scene_report_line(report, path, number, "table: expected %s", expected_row);
+    em_scene_report_line(report, path, number,
+                         "table: expected %s, with commas or blanks between them", expected_row);
     return true;
   }
   return add_row(report, rows, x);
@@ -97,10 +98,13 @@ static void read_file(struct em_scene_report *report, const config_setting_t *se
     em_scene_report_memory(report);
   else if (em_scene_source_load(&text, path, &inner) != EM_OK)
     em_scene_report_at(report, setting, "expected a readable file: %.300s", inner.text);
+  const size_t before = report->errors;
   int number = 0;
   char *rest = text;
   for (char *line; rest && (line = strsep(&rest, "\n")) != NULL;)
     if (!file_row(report, path, ++number, line, rows)) break;
+  if (text && rows->count == 0 && report->errors == before)
+    em_scene_report_line(report, path, 1, "table: no rows, expected %s in each", expected_row);
   free(text);
   free(path);
 }

@@ -192,6 +192,17 @@ static void includes_and_tables_beside_the_scene(void **state) {
   assert_int_equal(em_scene_read(&s, scene, 0, NULL, &err), EM_INPUT);
   assert_non_null(strstr(err.text, "rows.csv:1: error: table: expected 6 or 9 numbers"));
 
+  /* With decimal commas, numbers would be others. */
+  write_file(rows, "0,5;0,5;0,5;1;0;0\n");
+  assert_int_equal(em_scene_read(&s, scene, 0, NULL, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "rows.csv:1: error: table: expected 6 or 9 numbers"));
+  assert_non_null(strstr(err.text, "with commas or blanks between them"));
+
+  /* Any text begins with a line of words. */
+  write_file(rows, "just some words\n# no table\n");
+  assert_int_equal(em_scene_read(&s, scene, 0, NULL, &err), EM_INPUT);
+  assert_non_null(strstr(err.text, "rows.csv:1: error: table: no rows, expected 6 or 9 numbers"));
+
   /* Faults are placed in the file in which they stand. */
   write_file(part, "# a vessel\n\nchamber = { diameter = 0.146; length = -1; };\n");
   write_file(rows, "0,0.05,0,1,0,0\n0,0.05,0\n");
