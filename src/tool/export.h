@@ -33,6 +33,9 @@ struct em_export {
 void em_export_file_name(char *text, size_t size, const struct em_export *job, size_t k,
                          const char *ending);
 
+/* Removes the files of the first `count` chosen frames, when a later one cannot be written. */
+void em_export_file_remove(const struct em_export *job, size_t count, const char *ending);
+
 /* Writes a little-endian float. */
 void em_export_file_float(FILE *out, double x);
 

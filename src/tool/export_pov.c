@@ -156,18 +156,22 @@ enum em_status em_export_pov_write(const struct em_export *job, struct em_error 
   struct em_balls *balls = NULL;
   double top = 0.0;
   enum em_status status = em_run_file_balls(job->run, &balls, err);
-  for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
+  size_t written = 0;
+  while (written < job->frames && status == EM_OK) {
+    const size_t k = job->frame[written];
     struct em_output file;
     char path[EM_SCENE_PATH];
-    em_export_file_name(path, sizeof path, job, k, NULL);
-    status = em_run_file_frame(job->run, job->frame[k], balls, err);
+    em_export_file_name(path, sizeof path, job, written, NULL);
+    status = em_run_file_frame(job->run, k, balls, err);
     if (status == EM_OK)
       status = em_output_begin(&file, job->frames > 1 ? path : job->out, EM_OUTPUT_STREAM, err);
     if (status != EM_OK) break;
-    if (k == 0) top = em_picture_scale(scene, balls);
-    write_scene(file.out, scene, balls, em_run_file_frame_time(job->run, job->frame[k]), top);
+    if (written == 0) top = em_picture_scale(scene, balls);
+    write_scene(file.out, scene, balls, em_run_file_frame_time(job->run, k), top);
     status = em_output_end(&file, EM_OK, err);
+    written += status == EM_OK;
   }
   em_start_free(balls);
+  if (status != EM_OK) em_export_file_remove(job, written, NULL);
   return status;
 }

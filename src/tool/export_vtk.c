@@ -109,17 +109,21 @@ static enum em_status write_collection(const struct em_export *job, struct em_er
 
 enum em_status em_export_vtk_write(const struct em_export *job, struct em_error *err) {
   struct em_balls *balls = NULL;
+  size_t written = 0;
   enum em_status status = em_run_file_balls(job->run, &balls, err);
-  for (size_t k = 0; k < job->frames && status == EM_OK; k++) {
+  while (written < job->frames && status == EM_OK) {
     struct em_output file;
     char path[EM_SCENE_PATH];
-    em_export_file_name(path, sizeof path, job, k, ".vtp");
-    status = em_run_file_frame(job->run, job->frame[k], balls, err);
+    em_export_file_name(path, sizeof path, job, written, ".vtp");
+    status = em_run_file_frame(job->run, job->frame[written], balls, err);
     if (status == EM_OK) status = em_output_begin(&file, path, EM_OUTPUT_STREAM, err);
     if (status != EM_OK) break;
-    write_piece(file.out, balls, em_run_file_frame_time(job->run, job->frame[k]));
+    write_piece(file.out, balls, em_run_file_frame_time(job->run, job->frame[written]));
     status = em_output_end(&file, EM_OK, err);
+    written += status == EM_OK;
   }
   em_start_free(balls);
-  return status == EM_OK ? write_collection(job, err) : status;
+  if (status == EM_OK) status = write_collection(job, err);
+  if (status != EM_OK) em_export_file_remove(job, written, ".vtp");
+  return status;
 }

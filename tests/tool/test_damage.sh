@@ -228,6 +228,14 @@ if mount -t tmpfs -o size=4k tmpfs "$work/disk" 2>/dev/null; then
       is "a $kind disk: $command" ok "$verdict"
     done
   done
+  umount "$work/disk"
+  # A disk that fills up after some frames.
+  mount -t tmpfs -o size=16k tmpfs "$work/disk"
+  for command in "${files[1]}" "${files[4]}"; do
+    # shellcheck disable=SC2086
+    expect 1 "No space" "a disk that fills up: $command" "$post" ${command/-o x/-o $work/disk/x}
+    is "leaves nothing behind" "" "$(ls "$work/disk")"
+  done
 else
   skip "full and read-only disks" "no right to mount"
 fi
