@@ -70,11 +70,12 @@ static struct hold held(struct em_world *w, uint32_t i, double t) {
   return hold;
 }
 
-/* Speed (m/s) of a ball that glides or rolls along a wall, pressed to it by its own motion; 0: it
- * lies there, or others hold it. What its weight alone would do is no gliding. */
+/* Speed (m/s) of a ball that glides or rolls along a wall, pressed to it by its own motion, or is
+ * carried by a blade that presses on it; 0: it lies there, or others hold it. What its weight alone
+ * would do is no gliding. */
 static double gliding(const struct em_world *w, uint32_t i, double t, struct hold hold) {
   const double v2 = em_vec_norm2(em_body_velocity(w, i, t));
-  const bool alone = hold.balls == 1 && hold.wall && !hold.blade;
+  const bool alone = hold.balls == 1 && hold.wall != hold.blade;
   return alone && v2 > w->fall * w->body[i].radius ? sqrt(v2) : 0.0;
 }
 
@@ -93,10 +94,11 @@ enum em_status em_collapse_report(const struct em_world *world, uint32_t i, uint
   if (jam && w->scene->remedy.jam_after > 0) advice = "the balls have no way out";
   if (jam && w->scene->remedy.jam_after == 0) advice = "remedy.jam_after may open it";
   char glide[160];
-  snprintf(glide, sizeof glide,
-           "it glides along the wall at %.3g m/s in ever smaller hops; remedy.elastic_below=0.001, "
-           "or remedy.tc, keeps them finite",
-           speed);
+  snprintf(
+      glide, sizeof glide,
+      "it %s at %.3g m/s in ever smaller hops; remedy.elastic_below=0.001, or remedy.tc, keeps "
+      "them finite",
+      hold.blade ? "goes along with the blade" : "glides along the wall", speed);
   if (speed > 0.0) advice = glide;
   return em_error_set(
       err, jam ? EM_JAM : EM_COLLAPSE, w->scene->file, 0,

@@ -462,22 +462,15 @@ static enum em_status reload_blocks(struct recorder *r, const struct em_run_file
 
 static enum em_status reload_world(struct recorder *r, const struct em_run_file *file,
                                    struct em_error *err) {
-  const char *path = em_run_file_path(file);
   struct em_snapshot *snapshot = NULL;
-  struct em_error inner = {0};
-  enum em_status status = em_run_file_checkpoint(file, &snapshot, &inner);
-  if (!status) status = em_world_resume(&r->world, r->scene, snapshot, &inner);
+  const double said = r->state.time;
+  enum em_status status = em_run_file_checkpoint(file, &snapshot, err);
+  if (!status) status = em_world_resume(&r->world, r->scene, snapshot, err);
   em_world_snapshot_free(snapshot);
-  if (status == EM_INPUT)
-    return em_error_set(err, EM_FORMAT, path, 0, "cannot be resumed:\n%.2000s", inner.text);
-  if (status) {
-    if (err) *err = inner;
-    return status;
-  }
-  const double time = em_world_time(r->world), said = r->state.time;
-  if (fabs(time - said) <= 1e-14 * said) return EM_OK;
-  return em_error_set(err, EM_FORMAT, path, 0, "its checkpoint is of %.9g s, expected %.9g s", time,
-                      said);
+  if (!status && !(fabs(em_world_time(r->world) - said) <= 1e-14 * said))
+    return em_error_set(err, EM_FORMAT, em_run_file_path(file), 0,
+                        "its checkpoint is not of %.9g s, as expected", said);
+  return status;
 }
 
 static enum em_status go_on(struct recorder *r, const struct em_run_file *file,

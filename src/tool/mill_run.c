@@ -47,6 +47,9 @@ static const struct em_mill_help help = {
         "  mill run geometries/ideal-gas.cfg -o none --json | jq .collisions_per_second\n",
 };
 
+/* Frames, samples or blocks, of which a user may not know. */
+static const double MANY = 1e6;
+
 /* 97 k, 1.04 M. */
 static void per_second(double rate, char *text, size_t size) {
   if (rate < 1e3)
@@ -162,6 +165,21 @@ static int read_precision(struct em_mill_precision *precision,
   return EM_MILL_USAGE;
 }
 
+/* Rates are per simulated second, which in some scenes is next to nothing. */
+static void warn_of_many(const struct em_scene *scene) {
+  const struct em_recording *r = &scene->record;
+  const struct {
+    const char *name;
+    double rate;
+  } all[] = {{"frames", r->frames}, {"observables", r->observables}, {"histograms", r->histograms}};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    if (all[k].rate * scene->duration > MANY)
+      fprintf(stderr,
+              "warning: record.%s: %g a second are %.2g in all, and may take longer than the run "
+              "itself\n",
+              all[k].name, all[k].rate, all[k].rate * scene->duration);
+}
+
 static int run(const struct em_scene *scene, const struct em_mill_options *options,
                const char *path, char *command) {
   struct em_mill_precision precision;
@@ -217,6 +235,7 @@ static int run_scene(const struct em_scene *scene, const struct em_mill_options 
   if (strcmp(path, "none") == 0 && options->out) path = NULL;
   const int code = path ? check_path(path) : -1;
   if (code >= 0) return code;
+  if (!options->precision) warn_of_many(scene);
   if (!options->out && !options->quiet) fprintf(stderr, "writing %s\n", path);
   return run(scene, options, path, command);
 }

@@ -163,6 +163,11 @@ static void gliding(void **state) {
     trial_free(&t);
   }
   assert_true(acted > 0);
+  struct trial t;
+  trial_open(&t, "geometries/simoloyer-2l.cfg", "rotor.rpm=20000");
+  assert_int_equal(play_within(&t, 0.01, 20000000, 1e-10), EM_COLLAPSE);
+  assert_non_null(strstr(t.err.text, "goes along with the blade"));
+  trial_free(&t);
   hard_row("mill with few balls", "1…300 balls at 1700 rpm come to glide along the drum", 8,
            "noticed and said; with elastic contacts below 1 mm/s it goes on",
            "after %.3g s; the remedy acted %llu times", first, (unsigned long long)acted);

@@ -230,7 +230,8 @@ static void on_alarm(int number) {
 /* Whatever the state, a request to stop is heard. */
 static void test_stops(void **state) {
   (void)state;
-  static const char *const scene[] = {"geometries/ideal-gas.cfg", "geometries/ideal-gas-gravity.cfg"};
+  static const char *const scene[] = {"geometries/ideal-gas.cfg",
+                                      "geometries/ideal-gas-gravity.cfg"};
   static const double speed[] = {1e300, 1e200, 1e160};
   signal(SIGALRM, on_alarm);
   for (size_t k = 0; k < 6; k++) {

@@ -121,6 +121,11 @@ read -ra advised <<<"$(sed -n 's/.*with one: \(.*\) -o NEW.h5/\1/p' "$work/advic
 expect 0 "" "what is advised works" "$mill" run "${gliding[@]}" duration=0.5 remedy.elastic_below=0.001 \
   "${advised[@]:-none}" -o "$work/beyond.h5"
 
+# ---------------------------------------------------------------- rates
+expect 1 "warning: record.histograms: 20 a second are 2e+07 in all" "far too many blocks are told" \
+  timeout -s INT --preserve-status 1 "$mill" run "$gas" balls.count=0 duration=1e6 record.frames=0 \
+  record.observables=0 -o none -q
+
 # ---------------------------------------------------------------- signals
 long=(geometries/simoloyer-2l.cfg duration=0.06 balls.count=1000)
 "$mill" run "${long[@]}" -o "$work/whole.h5" -q
