@@ -130,6 +130,15 @@ bool em_world_valid_restart(const struct em_world *world, struct em_error *err);
 /* Are the event lists and the partition consistent? Builds with assertions ask at each epoch. */
 bool em_world_valid_lists(const struct em_world *world);
 
+/* The balls of a snapshot. Radii and masses come from the scene; everything else from the snapshot.
+ * em_start_free. Errors: EM_INPUT (the scene has another number of balls or blades), EM_MEMORY. */
+enum em_status em_world_snapshot_balls(const struct em_scene *scene,
+                                       const struct em_snapshot *snapshot, struct em_balls **balls,
+                                       struct em_error *err);
+/* Gives a world, before it has lists, the times, tallies, last partners and blades' angles of the
+ * snapshot that its balls are from. */
+void em_world_snapshot_restore(struct em_world *world, const struct em_snapshot *snapshot);
+
 /* When balls i and j touch, in the precision that engine.polish asks for; shift: of the periodic
  * image, added to j − i. INFINITY: they don't. */
 double em_body_exact_pair(const struct em_world *world, uint32_t i, uint32_t j,
