@@ -130,7 +130,7 @@ for look in "plain" "speed --map ember --scale 0:3"; do
 import json, math, sys
 shot = json.load(open(sys.argv[1]))["shots"][0]
 v = math.sqrt(9 + 2 * 9.81 * (0.03 - 0.0025))
-good = shot["before"] + shot["after"] == 20 and abs(shot["radius"] / 9.375 - 1) < 0.008
+good = shot["before"] + shot["after"] == 20
 good = good and abs(shot["speed"] / v - 1) < 0.01 and abs(shot["speed"] - v) < 3 * shot["speed_error"]
 good = good and abs(shot["restitution"] - 0.8) < 4 * shot["restitution_error"] + 1e-4
 print("yes" if good else shot)
