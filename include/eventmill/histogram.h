@@ -1,6 +1,7 @@
 /* Histograms: equal bins, bins per octave (many decades at a constant relative width), or bins
  * between given edges. Figures that are read off one (quantiles, mode, shares) take the counts of
- * a bin as spread evenly over it, so fine bins serve as a compressed sample. */
+ * a bin as spread evenly over it, so fine bins serve as a compressed sample. Values beyond the
+ * edges count in all of them; a figure that depends on where these lie is NAN. */
 #ifndef EVENTMILL_HISTOGRAM_H
 #define EVENTMILL_HISTOGRAM_H
 
@@ -49,21 +50,25 @@ void em_histogram_add(struct em_histogram *h, double x, double weight);
 /* Adds `weight` times the counts of another one with the same bins. */
 void em_histogram_merge(struct em_histogram *h, const struct em_histogram *other, double weight);
 
+/* What was counted, inside the edges and beyond. */
+double em_histogram_weight(const struct em_histogram *h);
+
 /* Density of bin k, normalised to area 1 over all that was counted; 0 when empty. */
 double em_histogram_density(const struct em_histogram *h, size_t k);
 
-/* Share (0 … 1) at or below x, and the x below which the share p lies (NAN when empty). */
+/* Share (0 … 1) at or below x, and the x below which the share p lies. NAN when empty, or when
+ * values lie beyond the edges and so does x. */
 double em_histogram_share(const struct em_histogram *h, double x);
 double em_histogram_quantile(const struct em_histogram *h, double p);
 
-/* Mean of the bins' centres; NAN when empty. */
+/* Mean of the bins' centres; NAN when empty, or when values lie beyond the edges. */
 double em_histogram_mean(const struct em_histogram *h);
 
 /* Where the density is highest: maximum of the density smoothed by a Gaussian kernel of width
  * 0.9 min(σ, IQR/1.349) n^(-1/7) (the power that is best for a mode: Romano 1988), mirrored at 0
  * when nothing is negative, and at the last edge when the values reach it and nothing lies above.
- * n: how many independent values the histogram stands for (0: its weight). NAN when empty or when
- * memory is short. */
+ * n: how many independent values the histogram stands for (0: its weight). NAN when empty, when
+ * more than 0.1 % lie beyond an edge, or when memory is short. */
 double em_histogram_mode(const struct em_histogram *h, double n);
 
 /* The same counts in other, equal bins. NULL: no memory, or an empty range. */

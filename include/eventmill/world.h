@@ -49,7 +49,8 @@ struct em_observer {
 };
 
 /* Histogram of v_n: EM_TALLY_PER_OCTAVE bins per factor of two, the edges of the bins of
- * an octave equally spaced; bin k begins at em_world_bin_edge(k). */
+ * an octave equally spaced; bin k begins at em_world_bin_edge(k). The first holds what lies below
+ * as well, the last what lies above. */
 enum {
   EM_TALLY_PER_OCTAVE = 64,
   EM_TALLY_OCTAVES = 40,

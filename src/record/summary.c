@@ -71,8 +71,12 @@ static double median_of(const uint64_t *vn, uint64_t total) {
     edge[k] = em_world_bin_edge(k);
   for (size_t k = 0; k < EM_TALLY_BINS; k++)
     count[k] = (double)vn[k];
-  const struct em_histogram h = {
-      .bins = EM_TALLY_BINS, .edge = edge, .count = count, .total = (double)total};
+  const double open = count[EM_TALLY_BINS - 1]; /* the last bin holds what lies above as well */
+  const struct em_histogram h = {.bins = EM_TALLY_BINS - 1,
+                                 .edge = edge,
+                                 .count = count,
+                                 .total = (double)total - open,
+                                 .above = open};
   return em_histogram_quantile(&h, 0.5);
 }
 

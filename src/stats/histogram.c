@@ -139,20 +139,21 @@ void em_histogram_merge(struct em_histogram *h, const struct em_histogram *other
   h->total += weight * other->total;
 }
 
-static double weight_of(const struct em_histogram *h) {
+double em_histogram_weight(const struct em_histogram *h) {
   return h->below + h->total + h->above;
 }
 
 double em_histogram_density(const struct em_histogram *h, size_t k) {
-  const double all = weight_of(h);
+  const double all = em_histogram_weight(h);
   return all > 0.0 ? h->count[k] / (all * (h->edge[k + 1] - h->edge[k])) : 0.0;
 }
 
 double em_histogram_share(const struct em_histogram *h, double x) {
-  const double all = weight_of(h);
+  const double all = em_histogram_weight(h);
   if (!(all > 0.0)) return NAN;
   const ptrdiff_t bin = em_histogram_find(h, x);
-  if (bin < 0) return 0.0;
+  if (bin < 0) return h->below > 0.0 ? NAN : 0.0;
+  if (bin >= (ptrdiff_t)h->bins && h->above > 0.0) return NAN;
   double sum = h->below;
   for (ptrdiff_t k = 0; k < bin; k++)
     sum += h->count[k];
@@ -162,28 +163,31 @@ double em_histogram_share(const struct em_histogram *h, double x) {
 }
 
 double em_histogram_quantile(const struct em_histogram *h, double p) {
-  const double all = weight_of(h);
-  if (!(all > 0.0)) return NAN;
+  const double all = em_histogram_weight(h);
   double left = p * all - h->below;
-  if (left < 0.0) return h->edge[0];
+  if (!(all > 0.0) || left < 0.0) return NAN;
   for (size_t k = 0; k < h->bins; k++) {
     const double count = h->count[k];
     if (count > 0.0 && left <= count)
       return h->edge[k] + (h->edge[k + 1] - h->edge[k]) * (left / count);
     left -= count;
   }
-  if (h->above > 0.0) return h->edge[h->bins];
+  if (h->above > 0.0) return NAN;
   for (size_t k = h->bins; k-- > 0;) /* rounding: the end of the last bin in use */
     if (h->count[k] > 0.0) return h->edge[k + 1];
   return NAN;
 }
 
-double em_histogram_mean(const struct em_histogram *h) {
-  if (!(h->total > 0.0)) return NAN;
+/* Mean of the bins' centres. */
+static double centre(const struct em_histogram *h) {
   double sum = 0.0;
   for (size_t k = 0; k < h->bins; k++)
     sum += h->count[k] * 0.5 * (h->edge[k] + h->edge[k + 1]);
   return sum / h->total;
+}
+
+double em_histogram_mean(const struct em_histogram *h) {
+  return h->total > 0.0 && h->below == 0.0 && h->above == 0.0 ? centre(h) : NAN;
 }
 
 struct em_histogram *em_histogram_rebin(const struct em_histogram *h, size_t bins, double low,
@@ -211,7 +215,7 @@ struct em_histogram *em_histogram_rebin(const struct em_histogram *h, size_t bin
 
 /* Standard deviation of the bins' centres. */
 static double spread(const struct em_histogram *h) {
-  const double mean = em_histogram_mean(h);
+  const double mean = centre(h);
   double sum = 0.0;
   for (size_t k = 0; k < h->bins; k++) {
     const double d = 0.5 * (h->edge[k] + h->edge[k + 1]) - mean;
@@ -259,14 +263,15 @@ static double highest(const struct em_histogram *g, double sigma, bool bound_low
 
 double em_histogram_mode(const struct em_histogram *h, double n) {
   if (!(h->total > 0.0)) return NAN;
-  if (!(n > 0.0)) n = h->total;
+  if (!(n > 0.0)) n = em_histogram_weight(h);
   const double iqr = em_histogram_quantile(h, 0.75) - em_histogram_quantile(h, 0.25);
   double scale = spread(h);
   if (iqr > 0.0 && iqr / 1.349 < scale) scale = iqr / 1.349;
   const double sigma = 0.9 * scale * pow(n, -1.0 / 7.0);
-  if (!(sigma > 0.0)) return em_histogram_quantile(h, 0.5);
+  if (sigma == 0.0) return em_histogram_quantile(h, 0.5);
   double high = em_histogram_quantile(h, 0.999) + 3.0 * sigma;
   double low = em_histogram_quantile(h, 0.001) - 3.0 * sigma;
+  if (isnan(low) || isnan(high)) return NAN;
   const bool bound_low = h->edge[0] >= 0.0;
   const bool bound_high = h->above == 0.0 && high > h->edge[h->bins];
   if (bound_low) low = 0.0;

@@ -73,10 +73,12 @@ enum em_status em_precision_add(struct em_precision *p, double time, double spee
   struct em_histogram *h = em_histogram_new_octaves(EM_PRECISION_PER_OCTAVE, EM_PRECISION_LOWEST,
                                                     EM_PRECISION_OCTAVES, false);
   if (!h) return EM_MEMORY;
-  for (size_t c = 0; c < classes; c++)
-    for (size_t k = 0; k < BINS; k++)
+  for (size_t c = 0; c < classes; c++) { /* the last bin holds what lies above as well */
+    for (size_t k = 0; k < BINS - 1; k++)
       h->count[k] += (double)vn[c * BINS + k];
-  for (size_t k = 0; k < BINS; k++)
+    h->above += (double)vn[c * BINS + BINS - 1];
+  }
+  for (size_t k = 0; k < BINS - 1; k++)
     h->total += h->count[k];
   if (p->count == EM_PRECISION_BLOCKS && p->open == p->each) {
     join_neighbours(p);
@@ -116,7 +118,8 @@ static double median(const struct em_histogram *h, double weight, void *self) {
 }
 
 static double above(const struct em_histogram *h, double x) {
-  return h->total > 0.0 ? h->total * (1.0 - em_histogram_share(h, x)) : 0.0;
+  const double all = em_histogram_weight(h);
+  return all > 0.0 ? all * (1.0 - em_histogram_share(h, x)) : 0.0;
 }
 
 struct em_interval em_precision_figure(const struct em_precision *p, size_t blocks,

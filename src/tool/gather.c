@@ -8,7 +8,7 @@
 
 enum { BLOCKS = 64, FRAME_BLOCKS = 128, COARSE = 64, FINE = 1024 };
 
-/* Octaves of the bins: speeds 2⁻³⁰ … 2¹⁰ m/s, energies 2⁻⁸⁰ … 2¹⁰ J. */
+/* Octaves of the bins: speeds 2⁻³⁰ … 2³⁰ m/s, energies 2⁻⁸⁰ … 2⁴⁰ J. */
 struct range {
   int lowest, octaves;
 };
@@ -51,8 +51,8 @@ void em_gather_free(struct em_gather *gather) {
 }
 
 static struct range range_of(enum em_gather_of of) {
-  if (of == EM_GATHER_ENERGY || of == EM_GATHER_LOST) return (struct range){-80, 90};
-  return (struct range){-30, 40};
+  if (of == EM_GATHER_ENERGY || of == EM_GATHER_LOST) return (struct range){-80, 120};
+  return (struct range){-30, 60};
 }
 
 static bool is_signed(enum em_gather_of of) {
@@ -268,18 +268,21 @@ static void choose_blocks(const struct em_gather *gather, const struct em_run_fi
     }
 }
 
+/* The last bin of a tally holds what lies above as well. */
+static void add_tally(struct em_histogram *h, const uint64_t *counts) {
+  for (size_t k = 0; k < h->bins; k++) {
+    h->count[k] += (double)counts[k];
+    h->total += (double)counts[k];
+  }
+  h->above += (double)counts[h->bins];
+}
+
 static void count_block(struct em_gather *gather, size_t b, const uint64_t *counts, size_t bins,
                         unsigned classes) {
   for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
-    struct em_histogram *h = gather->block[cls][b], *all = gather->block[EM_GATHER_ALL][b];
-    for (size_t k = 0; k < bins; k++) {
-      const double count = (double)counts[(size_t)cls * bins + k];
-      h->count[k] += count;
-      h->total += count;
-      if (!(classes & 1U << cls)) continue;
-      all->count[k] += count;
-      all->total += count;
-    }
+    add_tally(gather->block[cls][b], counts + (size_t)cls * bins);
+    if (classes & 1U << cls)
+      add_tally(gather->block[EM_GATHER_ALL][b], counts + (size_t)cls * bins);
   }
 }
 
@@ -288,7 +291,7 @@ static enum em_status from_online(struct em_gather *gather, const struct em_run_
   const size_t bins = em_run_file_bins(run);
   size_t first, end;
   choose_blocks(gather, run, &first, &end);
-  if (bins == 0 || em_run_file_block_count(run) == 0)
+  if (bins < 2 || em_run_file_block_count(run) == 0)
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                         "the run holds neither a collision table nor histograms");
   if (end == first)
@@ -299,7 +302,7 @@ static enum em_status from_online(struct em_gather *gather, const struct em_run_
   gather->from = em_run_file_block_start(run, first);
   gather->to = em_run_file_block_end(run, end - 1);
   const size_t count = end - first, blocks = count < FRAME_BLOCKS ? count : FRAME_BLOCKS;
-  struct em_histogram *like = em_histogram_new_edges(bins, em_run_file_edges(run));
+  struct em_histogram *like = em_histogram_new_edges(bins - 1, em_run_file_edges(run));
   uint64_t *counts = malloc(EM_CLASS_COUNT * bins * sizeof *counts);
   enum em_status status = EM_OK;
   if (!like || !counts || !make_blocks(gather, blocks, like))
@@ -375,7 +378,7 @@ static double evaluate(const struct em_histogram *h, double weight, void *self) 
   const struct asked *asked = self;
   switch (asked->figure) {
   case EM_GATHER_RATE:
-    return (h->below + h->total + h->above) / weight;
+    return em_histogram_weight(h) / weight;
   case EM_GATHER_QUANTILE:
     return em_histogram_quantile(h, asked->parameter);
   case EM_GATHER_MODE:
@@ -385,8 +388,8 @@ static double evaluate(const struct em_histogram *h, double weight, void *self) 
   case EM_GATHER_SHARE_ABOVE:
     return 1.0 - em_histogram_share(h, asked->parameter);
   case EM_GATHER_RATE_ABOVE:
-    return h->total > 0.0 ? (1.0 - em_histogram_share(h, asked->parameter)) * h->total / weight
-                          : 0.0;
+    if (!(em_histogram_weight(h) > 0.0)) return 0.0;
+    return (1.0 - em_histogram_share(h, asked->parameter)) * em_histogram_weight(h) / weight;
   }
   return NAN;
 }
@@ -397,8 +400,8 @@ static double refine(const struct em_gather *gather, int row, enum em_gather_fig
   const struct em_histogram *h = gather->total[row];
   const double least = gather->least[row], most = gather->most[row];
   if (!(least <= most)) return value;
-  if (figure == EM_GATHER_MEAN) return gather->sum[row] / (h->below + h->total + h->above);
-  if (figure == EM_GATHER_QUANTILE || figure == EM_GATHER_MODE)
+  if (figure == EM_GATHER_MEAN) return gather->sum[row] / em_histogram_weight(h);
+  if (!isnan(value) && (figure == EM_GATHER_QUANTILE || figure == EM_GATHER_MODE))
     return fmin(fmax(value, least), most);
   return value;
 }
@@ -406,7 +409,7 @@ static double refine(const struct em_gather *gather, int row, enum em_gather_fig
 double em_gather_highest(const struct em_gather *gather, int row) {
   const struct em_histogram *h = gather->total[row];
   if (gather->least[row] <= gather->most[row]) return gather->most[row];
-  for (size_t k = h->bins; k-- > 0;)
+  for (size_t k = h->bins; h->above == 0.0 && k-- > 0;)
     if (h->count[k] > 0.0) return h->edge[k + 1];
   return NAN;
 }
@@ -435,7 +438,8 @@ struct em_interval em_gather_share(const struct em_gather *gather, int row, doub
   for (size_t b = 0; good && b < gather->blocks; b++) {
     good = (count[b] = em_histogram_new(2, 0.0, 2.0)) != NULL;
     if (!good) break;
-    const double in = gather->block[row][b]->total, all = gather->block[EM_GATHER_ALL][b]->total;
+    const double in = em_histogram_weight(gather->block[row][b]);
+    const double all = em_histogram_weight(gather->block[EM_GATHER_ALL][b]);
     count[b]->count[0] = in;
     count[b]->count[1] = all - in;
     count[b]->total = all;

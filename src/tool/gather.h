@@ -76,7 +76,8 @@ enum em_gather_figure {
 };
 struct em_interval em_gather_interval(const struct em_gather *gather, int row,
                                       enum em_gather_figure figure, double parameter, double level);
-/* The highest value; of online histograms, the end of the last bin in use. NAN: there is none. */
+/* The highest value; of online histograms, the end of the last bin in use. NAN: there is none, or
+ * values lie beyond the bins. */
 double em_gather_highest(const struct em_gather *gather, int row);
 /* The share of a class among all. */
 struct em_interval em_gather_share(const struct em_gather *gather, int row, double level);

@@ -46,7 +46,7 @@ static bool shown(const struct input *in, unsigned classes, int row) {
   if (row == EM_GATHER_ALL) return true;
   if (in->gather->of_balls) return false;
   if (classes) return (classes & 1U << row) != 0;
-  return in->gather->total[row]->total > 0.0;
+  return em_histogram_weight(in->gather->total[row]) > 0.0;
 }
 
 static const char *row_name(const struct em_gather *gather, int row) {
@@ -97,7 +97,7 @@ static void how_often(struct em_report *report, const struct input *in, int runs
       const struct em_gather *gather = in[r].gather;
       if (!shown(&in[r], o->classes, row)) continue;
       begin_row(report, &in[r], runs, row);
-      em_report_count(report, (uint64_t)gather->total[row]->total);
+      em_report_count(report, (uint64_t)em_histogram_weight(gather->total[row]));
       if (!balls) {
         const struct em_interval share = em_gather_share(gather, row, o->level);
         if (row == EM_GATHER_ALL)
@@ -347,6 +347,20 @@ static void facts(struct em_report *report, const struct input *in, int runs,
                                              : "collision table");
 }
 
+static void notes(struct em_report *report, const struct input *in) {
+  const struct em_histogram *h = in->gather->total[EM_GATHER_ALL];
+  const char *unit = em_gather_unit(in->gather->of);
+  if (!(em_histogram_weight(h) > 0.0))
+    em_report_note(report, "%s: nothing was counted between %.9g s and %.9g s.", in->label,
+                   in->gather->from, in->gather->to);
+  if (h->below > 0.0 || h->above > 0.0)
+    em_report_note(report,
+                   "%s: of %.0f values, %.0f lie below %g %s and %.0f above %g %s, where the bins "
+                   "end: - stands for figures that depend on where.",
+                   in->label, em_histogram_weight(h), h->below, h->edge[0], unit, h->above,
+                   h->edge[h->bins], unit);
+}
+
 static int run_with(struct input *in, const struct em_millpost_options *o, enum em_gather_of of) {
   struct em_error err = {.code = EM_OK};
   const int runs = o->run_count;
@@ -356,9 +370,7 @@ static int run_with(struct input *in, const struct em_millpost_options *o, enum 
   struct em_report *report = em_report_new("hist");
   facts(report, in, runs, o);
   for (int r = 0; r < runs; r++)
-    if (!(in[r].gather->total[EM_GATHER_ALL]->total > 0.0))
-      em_report_note(report, "%s: nothing was counted between %.9g s and %.9g s.", in[r].label,
-                     in[r].gather->from, in[r].gather->to);
+    notes(report, &in[r]);
   how_often(report, in, runs, o, above);
   how_hard(report, in, runs, o);
   struct curve curve[MOST_RUNS * EM_GATHER_ROWS] = {{NULL, NULL, ""}};

@@ -99,9 +99,10 @@ static enum em_status from_table(struct useful *useful, const struct em_run_file
   return status;
 }
 
-/* Σ v² of a histogram above a speed; counts are spread evenly over their bins. */
+/* Σ v² of a histogram above a speed; counts are spread evenly over their bins. NAN: some lie above
+ * all bins. */
 static double squares(const struct em_histogram *h, double threshold) {
-  double sum = 0.0;
+  double sum = h->above > 0.0 ? NAN : 0.0;
   for (size_t k = 0; k < h->bins; k++) {
     const double high = h->edge[k + 1], low = fmax(h->edge[k], threshold);
     if (low >= high) continue;
@@ -121,7 +122,7 @@ static enum em_status from_histograms(struct useful *useful, const struct em_run
   useful->window = em_gather_window(gather, window);
   for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
     const double all = squares(gather->total[cls], 0.0);
-    if (!(all > 0.0) || b->impact.width != EM_CLASS_COUNT) continue;
+    if (all == 0.0 || b->impact.width != EM_CLASS_COUNT) continue;
     useful->all[cls] = em_trace_rate(&b->impact, (size_t)cls, (size_t)cls + 1) * b->time;
     useful->above[cls] = useful->all[cls] * squares(gather->total[cls], threshold) / all;
   }

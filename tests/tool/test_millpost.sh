@@ -132,6 +132,51 @@ for of in vt relative speed vx energy lost impact; do
   check "hist --of $of" post hist "$one" --of $of --from 0.05 --csv
 done
 
+heavy=$work/heavy.h5 swift=$work/swift.h5
+cat >"$work/heavy.cfg" <<'CFG'
+duration = 0.2;
+gravity = "none";
+chamber = { shape = "box"; size = [5.0, 5.0, 5.0]; };
+balls = { count = 40; diameter = 0.5; density = 7850.0; speed = 2000.0; };
+contact = { rule = "smooth"; normal = 0.9; };
+record = { observables = 1000.0; histograms = 1000.0; };
+CFG
+run "$work/heavy.cfg" record.collisions=true -o "$heavy" >"$work/out" &&
+  run "$work/heavy.cfg" -o "$swift" >"$work/out" &&
+  run "$work/heavy.cfg" balls.speed=20000 duration=0.002 --json -o "$work/lossy.h5" >"$work/json"
+is "heavy balls that are swift" 0 $?
+check "of which mill run tells no median" is_true "$swift" 'assert result["median_vn"] is None, result'
+strong() { # every value, of megajoules as well
+  agrees "$heavy" "
+c = h['eventmill/collisions']
+m, vn, cls = h['particles/balls/mass'][...][0], c['vn'][...].astype(float), c['class'][...]
+x = {'energy': 0.5 * np.where(cls == 0, m / 2, m) * vn ** 2, 'lost': c['dissipated'][...], 'vn': vn}['$1']
+for k in range(3):
+    often, hard, own = result['how_often'][k], result['how_hard'][k], x[cls == k]
+    assert often['count'] == len(own) and abs(often['share'] - len(own) / len(x)) < 1e-9, often
+    for key, q in (('q25', 25), ('median', 50), ('q75', 75)):
+        assert abs(hard[key] / np.percentile(own, q, method='inverted_cdf') - 1) < 0.05, (key, hard)
+    assert abs(hard['mean'] / np.mean(own, dtype=float) - 1) < 1e-9 and hard['highest'] == own.max()
+    assert abs(often['share_above'] - np.mean(own > $2)) < 0.02, often
+" hist "$heavy" --from 0 --of "$1" --above "$2"
+}
+check "hist of energies" strong energy 3e8
+check "of losses" strong lost 1e8
+check "of speeds" strong vn 1100
+beyond() { # the online bins end at 1016 m/s
+  agrees "$heavy" '
+vn, cls = h["eventmill/collisions/vn"][...], h["eventmill/collisions/class"][...]
+assert any("above 1016 m/s" in n for n in result["notes"]), result["notes"]
+for k, (often, hard) in enumerate(zip(result["how_often"], result["how_hard"])):
+    own = vn[cls == k] if k < 3 else vn
+    assert often["count"] == len(own) and abs(often["share_above"] - np.mean(own > 900)) < 0.01, often
+    assert hard["mean"] is None and hard["highest"] is None and hard["q90"] is None, hard
+    assert (hard["median"] is None) == (np.mean(own > 1016) > 0.5) and hard["q25"] < 1016, hard
+' hist "$swift" --from 0 --above 900 && agrees "$swift" '
+assert result["classes"][0]["share_above"] is None, result' power "$swift" --from 0
+}
+check "what lies beyond the online bins is counted and not told" beyond
+
 online() { # the same run with and without its table; the window is made of whole blocks
   local a b
   a=$(post hist "$one" --from 0.1 --to 0.2 --json) && b=$(post hist "$plain" --from 0.1 --to 0.2 --json) &&

@@ -122,6 +122,25 @@ static void modes_are_found(void **state) {
   gsl_rng_free(rng);
 }
 
+/* 3000 values in [0, 1), 1000 above: what these decide is not told. */
+static void values_beyond_the_edges_count(void **state) {
+  (void)state;
+  struct em_histogram *h = em_histogram_new(100, 0.0, 1.0);
+  for (int i = 0; i < 4000; i++)
+    em_histogram_add(h, (i + 0.5) / 3000.0, 1.0);
+  assert_near(em_histogram_weight(h), 4000.0, 0.0);
+  assert_near(em_histogram_share(h, 0.5), 0.375, 1e-12);
+  assert_near(em_histogram_share(h, 0.0), 0.0, 0.0);
+  assert_near(em_histogram_quantile(h, 0.6), 0.8, 1e-12);
+  assert_true(isnan(em_histogram_share(h, 1.2)) && isnan(em_histogram_quantile(h, 0.8)));
+  assert_true(isnan(em_histogram_mean(h)) && isnan(em_histogram_mode(h, 0.0)));
+  h->below = h->above;
+  h->above = 0.0;
+  assert_near(em_histogram_share(h, 1.2), 1.0, 0.0);
+  assert_true(isnan(em_histogram_share(h, -0.1)) && isnan(em_histogram_quantile(h, 0.2)));
+  em_histogram_free(h);
+}
+
 static void empty_and_odd_input(void **state) {
   (void)state;
   struct em_histogram *h = em_histogram_new(4, 0.0, 1.0);
@@ -174,6 +193,7 @@ int main(void) {
       cmocka_unit_test(bins_hold_their_values),
       cmocka_unit_test(quantiles_agree_with_sorting),
       cmocka_unit_test(modes_are_found),
+      cmocka_unit_test(values_beyond_the_edges_count),
       cmocka_unit_test(empty_and_odd_input),
       cmocka_unit_test(laws_integrate),
   };
