@@ -172,8 +172,8 @@ static bool gets_speed(const struct maker *m, size_t k) {
   return start != EM_START_TABLE && start != EM_START_RUN;
 }
 
-/* In a fully periodic box nothing ever takes up momentum: what chance gave the balls is removed,
- * and the speeds are scaled back to the energy that was asked for. */
+/* Along periodic edges no wall ever takes up momentum: what chance gave the balls is removed, and
+ * the speeds are scaled back to the energy that was asked for. */
 static void remove_drift(struct maker *m) {
   struct em_balls *b = m->balls;
   struct em_vec momentum = {0, 0, 0};
@@ -187,6 +187,9 @@ static void remove_drift(struct maker *m) {
       ++n;
     }
   if (n < 2 || !(before > 0.0)) return;
+  if (!m->field.periodic[0]) momentum.x = 0.0;
+  if (!m->field.periodic[1]) momentum.y = 0.0;
+  if (!m->field.periodic[2]) momentum.z = 0.0;
   for (size_t k = 0; k < b->count; ++k)
     if (gets_speed(m, k)) {
       b->velocity[k] = em_vec_axpy(b->velocity[k], -1.0 / mass, momentum);
@@ -206,7 +209,7 @@ static void set_velocities(struct maker *m) {
     m->balls->velocity[k] = em_vec_scale(speed, d);
   }
   const bool *periodic = m->field.periodic;
-  if (periodic[0] && periodic[1] && periodic[2]) remove_drift(m);
+  if (periodic[0] || periodic[1] || periodic[2]) remove_drift(m);
 }
 
 /* ---- the whole */
