@@ -18,6 +18,10 @@ static const double WAVES = 2.0;
 /* Layers that walls impose on the balls near them have faded so many diameters away. */
 static const double LAYERS = 3.0;
 
+/* A law of many balls is that of N up to 1/N. Of N² values, even the sharpest test sees that as no
+ * more than √1.6 of what chance does (docs/statistics.md): so many of N² are taken at most. */
+static const double MOST_SHARE = 0.1;
+
 enum { MOST_VALUES = 1000000 };
 
 #define KEY(code, key, words, law, tie)   key,
@@ -54,13 +58,14 @@ void em_gas_free(struct em_gas *gas) {
 
 /* ---------------------------------------------------------------- what a scene promises */
 
-/* Without walls across coordinate d, nothing takes momentum along it. */
-static bool is_loop(const struct em_chamber *c, int d) {
-  return c->shape == EM_SHAPE_BOX && c->periodic[d];
+/* Without walls across coordinate d, nor blades, nothing takes momentum along it. */
+static bool is_loop(const struct em_scene *scene, int d) {
+  const struct em_chamber *c = &scene->chamber;
+  return c->shape == EM_SHAPE_BOX && c->periodic[d] && em_scene_blade_count(scene) == 0;
 }
 
-static bool is_closed_loop(const struct em_chamber *c) {
-  return is_loop(c, 0) && is_loop(c, 1) && is_loop(c, 2);
+static bool is_closed_loop(const struct em_scene *scene) {
+  return is_loop(scene, 0) && is_loop(scene, 1) && is_loop(scene, 2);
 }
 
 static bool is_elastic(const struct em_contact_law *law) {
@@ -75,7 +80,7 @@ const char *em_gas_no_velocities(const struct em_scene *scene) {
   for (size_t r = 0; r < scene->rotor_count; r++)
     for (size_t k = 0; k < scene->rotor[r].blade_count; k++)
       if (scene->rotor[r].blade[k].omega != 0.0) return "a rotor drives the balls";
-  if (em_summary_falls_for_ever(scene) && !is_closed_loop(c))
+  if (em_summary_falls_for_ever(scene) && !is_closed_loop(scene))
     return "gravity pulls the balls across a periodic boundary";
   if (c->ramp_half > 0.0) return "faked ramps do not reflect like walls";
   for (int cls = 0; cls < EM_CLASS_COUNT; cls++) {
@@ -148,6 +153,13 @@ static enum em_status read_pace(struct pace *pace, const struct em_run_file *run
                       "the observables, which tell how often balls collide, are missing");
 }
 
+/* Collisions per ball from one sample of `values` to the next, so that gas->most reach over all of
+ * the window. */
+static double spacing(const struct em_gas *gas, const struct pace *pace, double from, double to,
+                      double values) {
+  return fmax(APART, (pace_at(pace, to) - pace_at(pace, from)) * values / (double)gas->most);
+}
+
 /* The time at which the start is forgotten; infinite when it never is. */
 static double settled(const struct pace *pace) {
   for (size_t k = 0; k < pace->trace.count; k++)
@@ -185,13 +197,13 @@ static enum em_status read_energy(struct em_gas *gas, const struct em_run_file *
 
 /* ---------------------------------------------------------------- frames */
 
-static bool reserve(struct em_gas *gas, enum em_gas_quantity q, size_t most) {
-  gas->x[q] = malloc((most + 1) * sizeof *gas->x[q]);
+static bool reserve(struct em_gas *gas, enum em_gas_quantity q) {
+  gas->x[q] = malloc((gas->most + 1) * sizeof *gas->x[q]);
   return gas->x[q] != NULL;
 }
 
-static void put(struct em_gas *gas, enum em_gas_quantity q, size_t most, double x) {
-  if (gas->n[q] < most && isfinite(x)) gas->x[q][gas->n[q]++] = x;
+static void put(struct em_gas *gas, enum em_gas_quantity q, double x) {
+  if (gas->n[q] < gas->most && isfinite(x)) gas->x[q][gas->n[q]++] = x;
 }
 
 static double mass_of(const struct em_balls *balls) {
@@ -202,44 +214,44 @@ static double mass_of(const struct em_balls *balls) {
 }
 
 /* Velocity of the centre of mass along the coordinates in which it stays; 0 in the others. */
-static struct em_vec drift_of(const struct em_balls *balls, const struct em_chamber *c) {
+static struct em_vec drift_of(const struct em_balls *balls, const struct em_scene *scene) {
   struct em_vec p = {0.0, 0.0, 0.0};
   const double mass = mass_of(balls);
   for (size_t i = 0; i < balls->count; i++)
     p = em_vec_axpy(p, balls->mass[i] / mass, balls->velocity[i]);
-  if (!is_loop(c, 0)) p.x = 0.0;
-  if (!is_loop(c, 1)) p.y = 0.0;
-  if (!is_loop(c, 2)) p.z = 0.0;
+  if (!is_loop(scene, 0)) p.x = 0.0;
+  if (!is_loop(scene, 1)) p.y = 0.0;
+  if (!is_loop(scene, 2)) p.z = 0.0;
   return p;
 }
 
 /* By the energy at the start. What the centre of mass has of it is no heat, and where it stays, N
  * balls have the freedom of N − 1. balls: any frame. */
 static void take_temperature(struct em_gas *gas, const struct em_balls *balls,
-                             const struct em_chamber *c, double kinetic) {
-  const struct em_vec drift = drift_of(balls, c);
+                             const struct em_scene *scene, double kinetic) {
+  const struct em_vec drift = drift_of(balls, scene);
   double freedom = 3.0 * (double)balls->count;
   for (int d = 0; d < 3; d++)
-    if (is_loop(c, d)) freedom -= 1.0;
+    if (is_loop(scene, d)) freedom -= 1.0;
   gas->kt = (2.0 * kinetic - mass_of(balls) * em_vec_dot(drift, drift)) / freedom;
 }
 
 /* Velocities in units of √(J/m): the temperature is divided out when it is known. Without the
  * centre of mass, a component of one ball scatters with kT/m (1 − m/M). */
 static void take_velocities(struct em_gas *gas, const struct em_balls *balls,
-                            const struct em_chamber *c, size_t most) {
-  const struct em_vec drift = drift_of(balls, c);
+                            const struct em_scene *scene) {
+  const struct em_vec drift = drift_of(balls, scene);
   const double all = mass_of(balls);
   for (size_t i = 0; i < balls->count; i++) {
     const double m = balls->mass[i], free = sqrt(m), tied = sqrt(m / (1.0 - m / all));
     struct em_vec v = em_vec_sub(balls->velocity[i], drift);
-    v.x *= is_loop(c, 0) ? tied : free;
-    v.y *= is_loop(c, 1) ? tied : free;
-    v.z *= is_loop(c, 2) ? tied : free;
-    put(gas, EM_GAS_SPEED, most, em_vec_norm(v));
-    put(gas, EM_GAS_VX, most, v.x);
-    put(gas, EM_GAS_VY, most, v.y);
-    put(gas, EM_GAS_VZ, most, v.z);
+    v.x *= is_loop(scene, 0) ? tied : free;
+    v.y *= is_loop(scene, 1) ? tied : free;
+    v.z *= is_loop(scene, 2) ? tied : free;
+    put(gas, EM_GAS_SPEED, em_vec_norm(v));
+    put(gas, EM_GAS_VX, v.x);
+    put(gas, EM_GAS_VY, v.y);
+    put(gas, EM_GAS_VZ, v.z);
   }
 }
 
@@ -323,10 +335,10 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
                                   const struct pace *pace, double from, double to,
                                   struct em_error *err) {
   const struct em_scene *scene = em_run_file_scene(run);
-  const size_t frames = em_run_file_frame_count(run), balls_count = em_run_file_ball_count(run);
-  const size_t most = balls_count > MOST_VALUES ? balls_count : MOST_VALUES;
+  const size_t frames = em_run_file_frame_count(run);
+  const double apart = spacing(gas, pace, from, to, (double)em_run_file_ball_count(run));
   for (int q = EM_GAS_SPEED; q <= EM_GAS_VZ; q++)
-    if (!reserve(gas, (enum em_gas_quantity)q, most))
+    if (!reserve(gas, (enum em_gas_quantity)q))
       return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   name_waves(gas, &scene->chamber);
   struct em_balls *balls = NULL;
@@ -336,8 +348,7 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
     gas->alike =
         gas->alike && balls->mass[i] == balls->mass[0] && balls->radius[i] == balls->radius[0];
   if (status == EM_OK && frames > 0) status = em_run_file_frame(run, 0, balls, err);
-  if (status == EM_OK)
-    take_temperature(gas, balls, &scene->chamber, em_run_file_state(run)->kinetic_start);
+  if (status == EM_OK) take_temperature(gas, balls, scene, em_run_file_state(run)->kinetic_start);
   double before = -INFINITY, wave_before = 0.0; /* the start is a frame to stay away from */
   if (status == EM_OK) gas->wave_spacing = wave_spacing(pace, scene, gas->kt, balls->mass[0]);
   for (size_t k = 0; status == EM_OK && k < frames; k++) {
@@ -349,9 +360,10 @@ static enum em_status from_frames(struct em_gas *gas, const struct em_run_file *
       take_waves(gas, balls, scene);
       wave_before = pace_at(pace, t);
     }
-    if (pace_at(pace, t) - before < APART || gas->n[EM_GAS_SPEED] + balls->count > most) continue;
+    if (pace_at(pace, t) - before < apart || gas->n[EM_GAS_SPEED] + balls->count > gas->most)
+      continue;
     before = pace_at(pace, t);
-    take_velocities(gas, balls, &scene->chamber, most);
+    take_velocities(gas, balls, scene);
     gas->frames++;
   }
   if (status == EM_OK && gas->frames == 0)
@@ -405,7 +417,6 @@ struct sampler {
   const struct em_scene *scene;
   const struct em_balls *balls;
   double margin; /* m, from walls */
-  size_t most;
 };
 
 static bool is_deep(const struct sampler *s, const float place[3]) {
@@ -425,28 +436,28 @@ static void take_pair(struct sampler *s, const struct em_rows *rows, size_t k) {
   const double a = s->balls->mass[rows->ball[k]], b = s->balls->mass[rows->partner[k]];
   const double unit = sqrt(s->gas->kt * (a + b) / (a * b));
   const double vn = (double)rows->vn[k], g = hypot(vn, (double)rows->vt[k]);
-  put(s->gas, EM_GAS_VN, s->most, vn / unit);
-  put(s->gas, EM_GAS_RELATIVE, s->most, g / unit);
-  if (g > 0.0) put(s->gas, EM_GAS_IMPACT, s->most, (double)rows->vt[k] / g);
+  put(s->gas, EM_GAS_VN, vn / unit);
+  put(s->gas, EM_GAS_RELATIVE, g / unit);
+  if (g > 0.0) put(s->gas, EM_GAS_IMPACT, (double)rows->vt[k] / g);
   if (!is_deep(s, rows->place[k])) return;
   for (int d = 0; d < 3; d++)
-    put(s->gas, (enum em_gas_quantity)(EM_GAS_NORMAL_X + d), s->most,
+    put(s->gas, (enum em_gas_quantity)(EM_GAS_NORMAL_X + d),
         0.5 * (1.0 + (double)rows->normal[k][d]));
 }
 
 static void take_wall(struct sampler *s, const struct em_rows *rows, size_t k) {
   const double unit = sqrt(s->gas->kt / s->balls->mass[rows->ball[k]]);
   const bool drum = rows->cls[k] == EM_CLASS_DRUM;
-  put(s->gas, drum ? EM_GAS_VN_DRUM : EM_GAS_VN_END, s->most, (double)rows->vn[k] / unit);
+  put(s->gas, drum ? EM_GAS_VN_DRUM : EM_GAS_VN_END, (double)rows->vn[k] / unit);
   const struct em_chamber *c = &s->scene->chamber;
   if (!drum || c->shape != EM_SHAPE_DRUM) return;
   const double angle = atan2((double)rows->place[k][2], (double)rows->place[k][0]);
-  put(s->gas, EM_GAS_DRUM_ANGLE, s->most, 0.5 + angle / (2.0 * M_PI));
+  put(s->gas, EM_GAS_DRUM_ANGLE, 0.5 + angle / (2.0 * M_PI));
   const double y = ((double)rows->place[k][1] - s->margin) / (c->length - 2.0 * s->margin);
-  if (y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, s->most, y);
+  if (y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, y);
 }
 
-/* The windows lie where the count of collisions per ball, less that at the begin, modulo `period`,
+/* The windows lie where the count of collisions per ball, less that at the begin, modulo `apart`,
  * is below WITHIN. */
 static enum em_status from_rows(struct sampler *s, const struct em_run_file *run,
                                 const struct pace *pace, double from, double to,
@@ -455,12 +466,14 @@ static enum em_status from_rows(struct sampler *s, const struct em_run_file *run
   struct em_rows *rows = em_run_file_rows_new(columns);
   if (!rows) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   for (int q = EM_GAS_RELATIVE; q < EM_GAS_COUNT; q++)
-    if (!reserve(s->gas, (enum em_gas_quantity)q, s->most)) {
+    if (!reserve(s->gas, (enum em_gas_quantity)q)) {
       em_run_file_rows_free(rows);
       return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
     }
   enum em_status status = EM_OK;
   const double begin = pace_at(pace, from);
+  const double pairs = 0.5 * WITHIN * (double)s->balls->count; /* of a window */
+  const double apart = spacing(s->gas, pace, from, to, pairs);
   double window = -1.0;
   for (uint64_t first = 0; status == EM_OK; first += rows->count) {
     status = em_run_file_rows(run, first, rows, err);
@@ -468,8 +481,8 @@ static enum em_status from_rows(struct sampler *s, const struct em_run_file *run
     for (size_t k = 0; k < rows->count; k++) {
       const double t = rows->time[k];
       if (t < from || t > to || rows->ball[k] >= s->balls->count) continue;
-      const double turns = (pace_at(pace, t) - begin) / APART;
-      if ((turns - floor(turns)) * APART >= WITHIN) continue;
+      const double turns = (pace_at(pace, t) - begin) / apart;
+      if ((turns - floor(turns)) * apart >= WITHIN) continue;
       s->gas->windows += floor(turns) > window;
       window = floor(turns);
       if (rows->cls[k] == EM_CLASS_BALL) take_pair(s, rows, k);
@@ -489,6 +502,11 @@ static double largest_diameter(const struct em_scene *scene) {
   return d;
 }
 
+/* Those of whole frames, of one at least. */
+static size_t most_values(double balls) {
+  return (size_t)(balls * fmax(1.0, floor(fmin(MOST_SHARE * balls, MOST_VALUES / balls))));
+}
+
 static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
                              const struct pace *pace, double from, double to,
                              struct em_error *err) {
@@ -506,6 +524,7 @@ static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
                         "per ball, until %g s there are %.3g",
                         SETTLE, to, pace_at(pace, to));
   gas->collisions = pace_at(pace, to);
+  gas->most = most_values((double)em_run_file_ball_count(run));
   enum em_status status = read_energy(gas, run, scene, err);
   if (status == EM_OK) status = from_frames(gas, run, pace, from, to, err);
   if (status != EM_OK) return status;
@@ -513,7 +532,7 @@ static enum em_status sample(struct em_gas *gas, const struct em_run_file *run,
   if (!em_run_file_has_rows(run)) return EM_OK;
   struct em_balls *balls = NULL;
   status = em_run_file_balls(run, &balls, err);
-  struct sampler sampler = {gas, scene, balls, LAYERS * largest_diameter(scene), MOST_VALUES};
+  struct sampler sampler = {gas, scene, balls, LAYERS * largest_diameter(scene)};
   if (status == EM_OK) status = from_rows(&sampler, run, pace, from, to, err);
   em_start_free(balls);
   return status;

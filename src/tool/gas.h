@@ -61,6 +61,7 @@ struct em_gas {
   double collisions;   /* per ball, between balls, from the start to the end of the window */
   double wave_spacing; /* collisions per ball between two frames for the waves */
   bool alike;          /* all balls: only then are there waves */
+  size_t most;         /* values of a law at most: as many as the balls tell */
   size_t frames, wave_frames, windows;
   size_t n[EM_GAS_COUNT];
   double *x[EM_GAS_COUNT]; /* in units of the law's parameter; [0, 1] for uniform ones; owned */

@@ -36,7 +36,8 @@ static const struct em_millpost_help help = {
         "...\n\n"
         "The verdict and the exit code: holds, 0; refuted, 3; undecided, 3: the law of speeds "
         "applies,\n"
-        "but there are too few values to test it; no law applies, 0: there is nothing to verify.",
+        "but there are too few values or balls to test it; no law applies, 0: there is nothing to "
+        "verify.",
     .examples = "  mill run geometries/ideal-gas.cfg record.collisions=true -o gas.h5\n"
                 "  millpost verify gas.h5 -o gas.png\n"
                 "  millpost verify gas.h5 --alpha 0.01 --json",
@@ -246,6 +247,7 @@ static int count_refuted(const struct trial *trial) {
 static int conclude(struct trial *trial, bool conserved) {
   const double drift = trial->gas->energy_drift;
   const bool decided = trial->gas->n[EM_GAS_SPEED] >= LEAST_VALUES;
+  const bool few = trial->gas->most < LEAST_VALUES;
   int refuted = count_refuted(trial);
   if (conserved && isnan(drift))
     em_report_note(trial->report, "Not tested: that energy is conserved; gravity pulls the balls "
@@ -257,6 +259,7 @@ static int conclude(struct trial *trial, bool conserved) {
   em_report_fact_text(trial->report, "verdict", "verdict",
                       refuted   ? "refuted"
                       : decided ? "holds"
+                      : few     ? "undecided: too few balls"
                                 : "undecided: too few values");
   em_report_fact_count(trial->report, "tests", "tests", (uint64_t)trial->tests);
   em_report_fact_count(trial->report, "untested", "laws that are not tested",
@@ -264,7 +267,13 @@ static int conclude(struct trial *trial, bool conserved) {
   if (!refuted && decided)
     em_report_note(trial->report, "All %d tests hold (smallest p × number of tests above %g).",
                    trial->tests, trial->alpha);
-  if (!refuted && !decided)
+  if (!refuted && !decided && few)
+    em_report_note(
+        trial->report,
+        "Not passed: the laws are those of many balls. These tell no more than %zu values "
+        "of each, at least %d are needed.",
+        trial->gas->most, LEAST_VALUES);
+  else if (!refuted && !decided)
     em_report_note(trial->report, "Not passed: a longer run tells more about the law of speeds.");
   return refuted || !decided ? EM_MILLPOST_NOT_PASSED : EM_MILLPOST_DONE;
 }

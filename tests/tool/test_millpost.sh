@@ -410,6 +410,7 @@ $code"
 }
 ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
 free=$work/free.h5 drift=$work/drift.h5 no_balls=$work/no-balls.h5
+few=$work/few.h5 slit=$work/slit.h5
 cat >"$work/loop.cfg" <<'CFG'
 duration = 2.0;
 gravity = [0.0, 0.0, -9.81];
@@ -424,6 +425,10 @@ run geometries/bouncing-ball.cfg contact.normal=1 duration=2 -o "$ball" >"$work/
   run geometries/newtons-cradle.cfg -o "$cradle" >"$work/out" &&
   run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 duration=8 -o "$free" >"$work/out" &&
   run "$work/loop.cfg" balls.count=0 duration=0.1 -o "$no_balls" >"$work/out" &&
+  run "$work/loop.cfg" gravity='"none"' chamber.periodic=false balls.count=30 balls.diameter=0.01 \
+    duration=100 -o "$few" >"$work/out" &&
+  run "$work/loop.cfg" gravity='"none"' chamber.periodic='[true,true,false]' balls.count=60 \
+    balls.diameter=0.008 duration=60 -o "$slit" >"$work/out" &&
   /usr/bin/python3 - "$free" "$work/drift.txt" <<'PY' &&
 import sys
 import h5py, numpy as np
@@ -445,6 +450,10 @@ assert abs(result["kt"] / result["kt_frames"] - 1) < 1e-9, result
 assert abs(speed["fitted"] / speed["predicted"] - 1) < 1e-6, speed'
 check "without walls, the centre of mass has no heat" verdict holds "$heat" "$free"
 check "nor has a gas that drifts" verdict holds "$heat" "$drift"
+check "30 balls tell no law, however long" verdict undecided '
+assert result["verdict"].endswith("too few balls") and result["tests"] == 0, result' "$few"
+check "60 tell as many values as their law is that of many" verdict holds '
+assert [law["values"] for law in result["laws"][:2]] == [360, 360], result["laws"]' "$slit"
 expect 2 "no balls to verify" "a run without balls" post verify "$no_balls"
 lossless() { agrees "$gas" 'assert result["imbalance"] < 1e-12, result' power "$gas"; }
 check "power of a gas without losses is balanced" lossless
