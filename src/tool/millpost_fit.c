@@ -25,8 +25,10 @@ static const struct em_millpost_help help = {
         "a # is a comment, and a first line without numbers is a heading. The laws are ranked by\n"
         "Akaike's criterion (the smaller, the better; 2 is a slight difference, 10 a clear one). "
         "The\n"
-        "best is printed as an entry for a scene. In place of an error, - stands where the pairs "
-        "do not\ndetermine the parameter, or it ends at 0.",
+        "best is printed as an entry for a scene. In place of an error, - stands where a parameter "
+        "ends\nat the bound that scenes have for it. Laws that the pairs do not determine, or "
+        "whose "
+        "curve\nends as the constant, cannot be fitted.",
     .examples = "  millpost fit shots.txt -o shots.png\n"
                 "  millpost fit shots.csv --json",
     .options = option_names,
@@ -111,11 +113,16 @@ static enum em_status read_pairs(struct pairs *pairs, const char *path, struct e
 
 /* ---------------------------------------------------------------- fitting */
 
-/* Scenes allow no negative parameters: p and −p are the same curve. */
+/* Scenes allow no negative parameters, and no constant above 1: p and −p are the same curve, as are
+ * all constants from 1 on. */
+static double bounded(enum em_law law, double p) {
+  return law == EM_LAW_CONSTANT ? fmin(fabs(p), 1.0) : fabs(p);
+}
+
 static double value(double v, const double *p, const void *self) {
   struct em_restitution law = {.law = *(const enum em_law *)self};
   for (int k = 0; k < em_contact_law_size(law.law); k++)
-    law.p[k] = fabs(p[k]);
+    law.p[k] = bounded(law.law, p[k]);
   return em_contact_restitution(&law, v);
 }
 
@@ -134,10 +141,32 @@ static void fit_from(struct result *best, const struct pairs *pairs, double zero
     if (!fit.converged || !isfinite(fit.residual)) continue;
     if (best->good && fit.residual >= best->fit.residual) continue;
     for (int j = 0; j < model.parameters; j++)
-      fit.p[j] = fabs(fit.p[j]);
+      fit.p[j] = bounded(best->law, fit.p[j]);
     best->good = true;
     best->fit = fit;
   }
+}
+
+/* Is the curve the same at all speeds up to twice the largest? Then it is the constant law. */
+static bool is_flat(const struct result *result, const struct pairs *pairs) {
+  enum { POINTS = 64 };
+  double fastest = 0.0, low = INFINITY, high = -INFINITY;
+  for (size_t i = 0; i < pairs->n; i++)
+    fastest = fmax(fastest, pairs->v[i]);
+  for (int i = 1; i <= POINTS; i++) {
+    const double e = value(2.0 * fastest * i / POINTS, result->fit.p, &result->law);
+    low = fmin(low, e);
+    high = fmax(high, e);
+  }
+  return high - low < 1e-6;
+}
+
+/* Do the pairs tell the law? Of a parameter at its bound 0 they can tell no error. */
+static bool is_told(const struct result *result, const struct pairs *pairs) {
+  if (result->law == EM_LAW_CONSTANT) return true;
+  for (int j = 0; j < result->fit.parameters; j++)
+    if (isnan(result->fit.error[j]) && result->fit.p[j] > 0.0) return false;
+  return !is_flat(result, pairs);
 }
 
 /* As p and −p are the same curve, its slope at p = 0 is 0: a parameter that starts there stays. */
@@ -149,6 +178,7 @@ static struct result fit_law(enum em_law law, const struct pairs *pairs) {
     has_zero = has_zero || standard.p[j] == 0.0;
   fit_from(&best, pairs, 0.1);
   if (has_zero) fit_from(&best, pairs, 0.0);
+  best.good = best.good && is_told(&best, pairs);
   return best;
 }
 
@@ -263,6 +293,8 @@ static int run_with(struct pairs *pairs, const struct em_millpost_options *o) {
     if (!result[k].good)
       em_report_note(report, "%s cannot be fitted to these pairs.",
                      em_contact_law_name(result[k].law));
+    else if (result[k].law == EM_LAW_CONSTANT && result[k].fit.p[0] == 1.0)
+      em_report_note(report, "The constant ends at 1, the largest that scenes accept.");
   int code = EM_MILLPOST_DONE;
   if (o->out && draw(pairs, result, o->out, &err) != EM_OK) code = em_millpost_fail(&err);
   return em_millpost_print(report, o, code);

@@ -514,9 +514,26 @@ for k in 1 2 3 4 5 6 7 8; do echo "2.0, 0.7$k"; done >"$work/same.csv"
 same() { agrees "$one" '
 e = {(x["law"], x["name"]): x["error"] for x in result["parameters"]}
 assert e["constant", "epsilon"] > 0
-assert [e["spahn", name] for name in "ABC"] == [None, None, None], e
+assert ("salo", "c") in e and not {"spahn", "power2", "power4", "exponential"} & {law for law, _ in e}, e
 ' fit "$work/same.csv"; }
 check "one speed does not determine three parameters" same
+accepted() { # LAW VALUE: the best law, which a scene takes
+  agrees "$one" "
+assert result['best'] == '$1' and '$2' in result['scene'], result" fit "$work/odd.csv" &&
+    /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["scene"])' "$work/json" >"$work/odd.cfg" &&
+    grep -v "^contact" "$work/loop.cfg" >>"$work/odd.cfg" && "$mill" check "$work/odd.cfg"
+}
+for e in 1.02 1.01 1.0 0.99 1.01 1.02 1.0 1.01; do echo "$((++k)), $e"; done >"$work/odd.csv"
+check "no constant above 1" accepted constant "epsilon = 1.0"
+for e in 1.4 1.4 1.4 1.4 1.4 1.4 1.4 1.4; do echo "$((++k)), $e"; done >"$work/odd.csv"
+check "nor of what gains energy alone" accepted constant "epsilon = 1.0"
+is "and no other law" 1 "$(/usr/bin/python3 -c 'import json, sys
+print(len(json.load(open(sys.argv[1]))["ranking"]))' "$work/json")"
+for e in .50 .52 .55 .60 .68 .74 .83 .90 .97 1; do echo "$((++k)), $e"; done >"$work/odd.csv"
+rising() { agrees "$one" '
+assert result["best"] == "constant", result
+assert not {"power2", "exponential"} & {x["law"] for x in result["ranking"]}, result' fit "$work/odd.csv"; }
+check "of what rises, no law that ends as the constant" rising
 
 for to in xdmf xdmf3 vtk lammps csv pov stl; do
   check "export --to $to" post export "$one" --to $to --every 25 -o "$work/export.$to"
