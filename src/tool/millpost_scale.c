@@ -57,6 +57,7 @@ struct answer {
   double rpm, half; /* NAN: not in the range of the runs */
   double low, high; /* range of the runs */
   int runs;
+  bool several; /* it is reached at other speeds as well: rpm is the lowest */
 };
 
 /* ---------------------------------------------------------------- reading */
@@ -189,17 +190,23 @@ static void between(struct answer *answer, const struct point *a, const struct p
                     double target, double target_half) {
   const double dx = log(b->rpm / a->rpm), dy = log(b->y.value / a->y.value);
   const double s = log(target / a->y.value) / dy;
-  if (!(s >= 0.0 && s <= 1.0) || isfinite(answer->rpm)) return;
+  if (!(s >= 0.0 && s <= 1.0)) return;
+  const double rpm = a->rpm * exp(s * dx);
+  if (isfinite(answer->rpm)) {
+    answer->several =
+        answer->several || rpm > answer->rpm * (1.0 + 1e-9); /* not at the run between */
+    return;
+  }
   const double at_a = (1.0 - s) * a->y.half / a->y.value, at_b = s * b->y.half / b->y.value;
   const double half = sqrt(at_a * at_a + at_b * at_b + pow(target_half / target, 2.0));
-  answer->rpm = a->rpm * exp(s * dx);
+  answer->rpm = rpm;
   answer->half = answer->rpm * half * fabs(dx / dy);
 }
 
 /* Points of a group are sorted by speed. The reference itself answers for its own group. */
 static struct answer solve(const struct point *point, int count, int group, double target,
                            double target_half) {
-  struct answer answer = {NAN, NAN, INFINITY, -INFINITY, 0};
+  struct answer answer = {NAN, NAN, INFINITY, -INFINITY, 0, false};
   const struct point *before = NULL;
   for (int k = 0; k < count; k++) {
     if (point[k].group != group) continue;
@@ -290,6 +297,9 @@ static void table(struct em_report *report, const struct point *point, int count
     if (isnan(speed.value))
       em_report_note(report, "%s: the value is not reached between %g and %g rpm; add runs.", name,
                      a.low, a.high);
+    if (a.several && !itself)
+      em_report_note(report, "%s: the value is reached at more than one speed; the lowest is told.",
+                     name);
   }
 }
 

@@ -379,6 +379,24 @@ alike() {
 check "what follows from the speed parts no runs" alike
 warned() { scale at-1000-1.h5 left.h5 | grep -q 'left is not done: interrupted'; }
 check "scale warns of runs that are not done" warned
+cp "$work/at-2000-1.h5" "$work/lazy.h5" && /usr/bin/python3 - "$work/lazy.h5" <<'PY'
+import sys
+import h5py
+v = h5py.File(sys.argv[1], "r+")["observables/mean_speed/value"]
+v[...] = 0.1 * v[...]
+PY
+twice() { # between the first two runs, and once more between the last two
+  local runs=(at-1000-1.h5 at-1400-1.h5 lazy.h5) target
+  scale "${runs[@]}" >"$work/json" &&
+    target=$(/usr/bin/python3 -c 'import json, sys
+a, b, c = (r["value"] for r in json.load(open(sys.argv[1]))["runs"])
+assert c < a < b
+print((a * b) ** 0.5)' "$work/json") &&
+    scale "${runs[@]}" --target "$target" >"$work/json" && is_true "$one" '
+assert 1000 < result["groups"][0]["speed"] < 1400, result["groups"]
+assert any("more than one speed" in n for n in result["notes"]), result["notes"]'
+}
+check "scale says when it is reached twice" twice
 
 # ---------------------------------------------------------------- tables
 printf 'point,repeat,seed,run\n1,1,1979500123,at-1000-1.h5\n2,1,7,at-1400-1.h5\n' >"$work/points.csv"
@@ -410,7 +428,7 @@ $code"
 }
 ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
 free=$work/free.h5 drift=$work/drift.h5 no_balls=$work/no-balls.h5
-few=$work/few.h5 slit=$work/slit.h5
+handful=$work/handful.h5 slit=$work/slit.h5
 cat >"$work/loop.cfg" <<'CFG'
 duration = 2.0;
 gravity = [0.0, 0.0, -9.81];
@@ -426,7 +444,7 @@ run geometries/bouncing-ball.cfg contact.normal=1 duration=2 -o "$ball" >"$work/
   run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 duration=8 -o "$free" >"$work/out" &&
   run "$work/loop.cfg" balls.count=0 duration=0.1 -o "$no_balls" >"$work/out" &&
   run "$work/loop.cfg" gravity='"none"' chamber.periodic=false balls.count=30 balls.diameter=0.01 \
-    duration=100 -o "$few" >"$work/out" &&
+    duration=100 -o "$handful" >"$work/out" &&
   run "$work/loop.cfg" gravity='"none"' chamber.periodic='[true,true,false]' balls.count=60 \
     balls.diameter=0.008 duration=60 -o "$slit" >"$work/out" &&
   /usr/bin/python3 - "$free" "$work/drift.txt" <<'PY' &&
@@ -451,7 +469,7 @@ assert abs(speed["fitted"] / speed["predicted"] - 1) < 1e-6, speed'
 check "without walls, the centre of mass has no heat" verdict holds "$heat" "$free"
 check "nor has a gas that drifts" verdict holds "$heat" "$drift"
 check "30 balls tell no law, however long" verdict undecided '
-assert result["verdict"].endswith("too few balls") and result["tests"] == 0, result' "$few"
+assert result["verdict"].endswith("too few balls") and result["tests"] == 0, result' "$handful"
 check "60 tell as many values as their law is that of many" verdict holds '
 assert [law["values"] for law in result["laws"][:2]] == [360, 360], result["laws"]' "$slit"
 expect 2 "no balls to verify" "a run without balls" post verify "$no_balls"
