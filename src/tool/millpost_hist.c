@@ -353,11 +353,12 @@ static void notes(struct em_report *report, const struct input *in) {
   if (!(em_histogram_weight(h) > 0.0))
     em_report_note(report, "%s: nothing was counted between %.9g s and %.9g s.", in->label,
                    in->gather->from, in->gather->to);
-  if (h->below > 0.0 || h->above > 0.0)
+  const double beyond = h->below + h->above;
+  if (beyond > 0.0)
     em_report_note(report,
-                   "%s: of %.0f values, %.0f lie below %g %s and %.0f above %g %s, where the bins "
-                   "end: - stands for figures that depend on where.",
-                   in->label, em_histogram_weight(h), h->below, h->edge[0], unit, h->above,
+                   "%s: %.0f of %.0f values lie beyond %s%g %s, where the bins end; - stands for "
+                   "figures that depend on how far.",
+                   in->label, beyond, em_histogram_weight(h), h->mirrored ? "±" : "",
                    h->edge[h->bins], unit);
 }
 

@@ -166,7 +166,7 @@ check "of speeds" strong vn 1100
 beyond() { # the online bins end at 1016 m/s
   agrees "$heavy" '
 vn, cls = h["eventmill/collisions/vn"][...], h["eventmill/collisions/class"][...]
-assert any("above 1016 m/s" in n for n in result["notes"]), result["notes"]
+assert any("beyond 1016 m/s" in n for n in result["notes"]), result["notes"]
 for k, (often, hard) in enumerate(zip(result["how_often"], result["how_hard"])):
     own = vn[cls == k] if k < 3 else vn
     assert often["count"] == len(own) and abs(often["share_above"] - np.mean(own > 900)) < 0.01, often
