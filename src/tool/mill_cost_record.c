@@ -62,7 +62,7 @@ enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_re
                                    struct em_error *err) {
   enum { BARE_START, BARE_RUN, FULL_START, FULL_RUN, KINDS };
   double least[KINDS] = {INFINITY, INFINITY, INFINITY, INFINITY}, low = INFINITY, high = 0.0;
-  for (int r = 0; r < cost->rounds; r++) {
+  for (int r = 0; r < EM_COST_WHOLE_RUNS * cost->rounds; r++) {
     double spent[KINDS];
     for (int n = 0; n < KINDS; n++) {
       const int k = r % 2 ? KINDS - 1 - n : n; /* forth and back: a drift of the machine cancels */

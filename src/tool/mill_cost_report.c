@@ -185,10 +185,11 @@ static void note_flights(struct em_report *report, const struct em_cost *cost) {
 static void notes(struct em_report *report, const struct em_cost *cost) {
   size_t measured = 0;
   note_flights(report, cost);
-  em_report_note(report,
-                 "d: diameter of a ball. time: from the least times in %d turns; from, to: of the "
-                 "turns one by one.",
-                 cost->rounds);
+  em_report_note(
+      report,
+      "d: diameter of a ball. time: from the least times in %d turns (of runs that record: "
+      "%d); from, to: of the turns one by one.",
+      cost->rounds, EM_COST_WHOLE_RUNS * cost->rounds);
   const double time = time_for_percent(cost, EM_PRECISION_RATE);
   if (time > 0.0)
     em_report_note(report,
