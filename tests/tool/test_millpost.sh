@@ -379,7 +379,7 @@ alike() {
 check "what follows from the speed parts no runs" alike
 warned() { scale at-1000-1.h5 left.h5 | grep -q 'left is not done: interrupted'; }
 check "scale warns of runs that are not done" warned
-cp "$work/at-2000-1.h5" "$work/lazy.h5" && /usr/bin/python3 - "$work/lazy.h5" <<'PY'
+cp "$work/at-1900-1.h5" "$work/lazy.h5" && /usr/bin/python3 - "$work/lazy.h5" <<'PY'
 import sys
 import h5py
 v = h5py.File(sys.argv[1], "r+")["observables/mean_speed/value"]
