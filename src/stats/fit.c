@@ -66,7 +66,7 @@ static const double NO_CHANGE = 1e-8, NO_PART = 1e-4;
  * parameters that take part in it are free. Returns whether all went well; J becomes U. */
 static bool spread(struct em_fit *fit, gsl_matrix *J, gsl_matrix *V, gsl_matrix *room,
                    gsl_vector *S, gsl_vector *work) {
-  double scale[EM_FIT_PARAMETERS];
+  double scale[EM_FIT_PARAMETERS] = {0.0};
   normalise(J, scale);
   if (gsl_linalg_SV_decomp_mod(J, room, V, S, work) != GSL_SUCCESS) return false;
   for (size_t i = 0; i < S->size; i++) {
