@@ -91,14 +91,16 @@ static enum em_status keep_books(const struct em_cost *cost, struct course *c, i
   return status;
 }
 
-/* The times of a scene that cannot go on end where it did, or with its duration. */
+/* The times of a scene that cannot go on end a little before it did, or with its duration. */
 static bool cut(struct em_cost *cost, const struct course *c, const struct em_error *err) {
-  const double left = cost->scene->duration - 2.0 * cost->steady;
-  if ((err->code != EM_COLLAPSE && err->code != EM_JAM) || c->blocks < FEW_BLOCKS || cost->cut[0])
+  if ((err->code != EM_COLLAPSE && err->code != EM_JAM) || !c->walk.world || cost->cut[0])
     return false;
+  const double settled = c->walk.start + cost->steady, left = cost->scene->duration - settled;
+  double most = 0.99 * (em_world_time(c->walk.world) - settled);
+  if (left > 0.0) most = fmin(most, left);
+  if (!(most > 0.0)) return false;
   snprintf(cost->cut, sizeof cost->cut, "%.150s", err->text);
-  cost->long_time *= (double)c->blocks / BLOCKS;
-  if (left > 0.0) cost->long_time = fmin(cost->long_time, left);
+  cost->long_time = fmin(cost->long_time, most);
   cost->time = fmin(cost->time, cost->long_time);
   return true;
 }

@@ -109,6 +109,9 @@ expect 0 "bounce-accuracy.png: not drawn" "a ball that comes to rest" "$mill" co
   geometries/bouncing-ball.cfg --rounds 1 -q -o "$work/bounce" --only level
 check "is measured for its duration" grep -q "goes on for 4 s only: .*collapse" "$work/out"
 check "in the same blocks of time" grep -q "^level standard .* 0 ± 0 %" "$work/out"
+expect 0 "" "balls that come to glide before a sixteenth of the time" "$mill" cost \
+  geometries/simoloyer-2l.cfg balls.count=100 duration=0.02 --rounds 1 --flights 0 -q --only "level standard"
+check "are measured up to there" grep -q "goes on for 0.5.* s only: .*collapse" "$work/out"
 cat >"$work/one.cfg" <<'END'
 chamber = { shape = "box"; size = [0.1, 0.1, 0.1]; };
 gravity = "none"; contact = { rule = "smooth"; normal = 1.0; };
