@@ -19,7 +19,8 @@ enum em_cost_group { EM_COST_ACCURACY, EM_COST_EFFECT, EM_COST_RECORDING };
 enum em_cost_change { EM_COST_AS_IS, EM_COST_NO_ROTOR, EM_COST_MIXED, EM_COST_UNMIXED };
 
 enum { EM_COST_VARIANTS = 48, EM_COST_WORDS = 3, EM_COST_ROUNDS = 64 };
-/* Whole runs cannot be cut into stretches, each with its own least time: so many times the turns. */
+/* Whole runs cannot be cut into stretches, each with its own least time: so many times the turns.
+ */
 enum { EM_COST_WHOLE_RUNS = 3 };
 
 struct em_cost_variant {
