@@ -58,10 +58,10 @@ void em_gas_free(struct em_gas *gas) {
 
 /* ---------------------------------------------------------------- what a scene promises */
 
-/* Without walls across coordinate d, nor blades, nothing takes momentum along it. */
+/* Without walls across coordinate d, nothing takes momentum along it. */
 static bool is_loop(const struct em_scene *scene, int d) {
   const struct em_chamber *c = &scene->chamber;
-  return c->shape == EM_SHAPE_BOX && c->periodic[d] && em_scene_blade_count(scene) == 0;
+  return c->shape == EM_SHAPE_BOX && c->periodic[d];
 }
 
 static bool is_closed_loop(const struct em_scene *scene) {

@@ -172,6 +172,15 @@ static inline const char *digest_folder(void) {
   return folder;
 }
 
+/* A file in it; four names hold at a time. */
+static inline const char *digest_path(const char *name) {
+  static char path[4][256];
+  static int next;
+  char *to = path[next++ % 4];
+  snprintf(to, sizeof path[0], "%s/%s", digest_folder(), name);
+  return to;
+}
+
 static inline void digest_folder_remove(void) {
   char command[128];
   snprintf(command, sizeof command, "rm -rf %s", digest_folder());

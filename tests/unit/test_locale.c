@@ -42,14 +42,6 @@ static void is_comma(bool comma) {
   assert_int_equal(*localeconv()->decimal_point, comma ? ',' : '.');
 }
 
-static const char *path_of(const char *name) {
-  static char path[4][256];
-  static int next;
-  char *to = path[next++ % 4];
-  snprintf(to, sizeof path[0], "%s/%s", digest_folder(), name);
-  return to;
-}
-
 static char *text_of(const char *path) {
   char *text = calloc(1, 1 << 22);
   FILE *in = fopen(path, "r");
@@ -105,8 +97,8 @@ static void runs_are_recorded_alike(void **state) {
   uint64_t digest[2] = {0, 0};
   static const char *const length[] = {"duration=0.0125", "duration=0.0225"};
   for (int k = 0; k < 4; k++) {
-    const struct em_recorder_options options = {.path = path_of(k < 2 ? "point.h5" : "comma.h5"),
-                                                .resume = true};
+    const struct em_recorder_options options = {
+        .path = digest_path(k < 2 ? "point.h5" : "comma.h5"), .resume = true};
     struct em_error err = {0};
     with_comma(k >= 2);
     struct em_scene *scene = digest_scene(SMALL_MILL, 1, &length[k % 2]);
@@ -139,11 +131,11 @@ static void texts_for_other_programs_are_alike(void **state) {
   static const char *const name[] = {"plot.gp", "run.xmf", "view.html"};
   struct em_run_file *run = NULL;
   struct em_error err = {0};
-  if (em_run_file_open(&run, path_of("point.h5"), &err)) fail_msg("%s", err.text);
+  if (em_run_file_open(&run, digest_path("point.h5"), &err)) fail_msg("%s", err.text);
   for (int what = 0; what < 3; what++) {
     char *text[2];
     for (int k = 0; k < 2; k++) {
-      const char *path = path_of(name[what]);
+      const char *path = digest_path(name[what]);
       with_comma(k);
       draw(run, what, path);
       is_comma(k);

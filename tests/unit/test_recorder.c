@@ -8,14 +8,6 @@
 
 #include "run_digest.h"
 
-static const char *path_of(const char *name) {
-  static char path[4][256];
-  static int next;
-  char *to = path[next++ % 4];
-  snprintf(to, sizeof path[0], "%s/%s", digest_folder(), name);
-  return to;
-}
-
 static void record(const struct em_scene *scene, const struct em_recorder_options *options,
                    struct em_summary *summary) {
   struct em_error err = {0};
@@ -35,7 +27,7 @@ static void observers_see_what_is_recorded(void **state) {
     uint64_t seen = 0;
     struct em_summary summary;
     const struct em_observer observer = {&seen, count};
-    const struct em_recorder_options options = {.path = k ? path_of("seen.h5") : NULL,
+    const struct em_recorder_options options = {.path = k ? digest_path("seen.h5") : NULL,
                                                 .observer = &observer};
     record(scene, &options, &summary);
     assert_true(seen > 1000);
@@ -60,7 +52,7 @@ static void targets_need_no_room_for_findings(void **state) {
  * was read; which stays as it is. */
 static void blades_begin_where_they_stood(void **state) {
   (void)state;
-  const char *first = path_of("first.h5"), *part = "duration=0.05";
+  const char *first = digest_path("first.h5"), *part = "duration=0.05";
   struct em_scene *scene = digest_scene(SMALL_MILL, 1, &part);
   record(scene, &(struct em_recorder_options){.path = first}, NULL);
   em_scene_free(scene);
@@ -70,7 +62,7 @@ static void blades_begin_where_they_stood(void **state) {
   uint64_t digest[2];
   struct em_error err = {0};
   for (int k = 0; k < 2; k++) {
-    const char *path = path_of(k ? "by-hand.h5" : "as-read.h5");
+    const char *path = digest_path(k ? "by-hand.h5" : "as-read.h5");
     scene = digest_scene(SMALL_MILL, 3, more);
     if (k) assert_int_equal(em_run_file_turn(scene, &err), EM_OK);
     record(scene, &(struct em_recorder_options){.path = path}, NULL);
@@ -97,7 +89,8 @@ static void what_ended_a_run_is_told_before_a_full_disk(void **state) {
       "contact = { rule = \"smooth\"; normal = 0.5; };\n"
       "record = { frames = 0.0; observables = 0.0; histograms = 0.0; checkpoint = 1e6; };";
   struct em_scene *scene = digest_scene(text, 0, NULL);
-  const struct em_recorder_options options = {.path = path_of("full.h5"), .progress = fill_disk};
+  const struct em_recorder_options options = {.path = digest_path("full.h5"),
+                                              .progress = fill_disk};
   struct em_error err = {0};
   struct em_summary summary;
   bool created = false;
