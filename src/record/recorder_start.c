@@ -3,17 +3,12 @@
 
 #include <stdlib.h>
 
-/* The run that the balls start from, or NULL. */
-static const char *origin_of(const struct em_scene *scene) {
-  for (size_t s = 0; s < scene->species_count; s++)
-    if (scene->species[s].start == EM_START_RUN) return scene->species[s].from;
-  return NULL;
-}
+#include "record/run_file_inside.h"
 
 enum em_status em_recorder_start(struct em_balls **start, const struct em_scene *scene,
                                  const volatile sig_atomic_t *stop, struct em_error *err) {
   struct em_balls *previous = NULL;
-  const char *origin = origin_of(scene);
+  const char *origin = em_run_file_origin(scene);
   enum em_status status = origin ? em_run_file_last(origin, &previous, err) : EM_OK;
   if (!status) status = em_start_make(start, scene, previous, stop, err);
   em_start_free(previous);
@@ -23,7 +18,7 @@ enum em_status em_recorder_start(struct em_balls **start, const struct em_scene 
 enum em_status em_recorder_start_scene(struct em_scene **copy, const struct em_scene *scene,
                                        struct em_error *err) {
   *copy = NULL;
-  if (!origin_of(scene)) return EM_OK;
+  if (!em_run_file_origin(scene)) return EM_OK;
   char *text = em_scene_text(scene);
   enum em_status status =
       text ? em_scene_parse(copy, text, scene->file, 0, NULL, err)

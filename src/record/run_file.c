@@ -332,10 +332,14 @@ static void turn_blades(struct em_scene *scene, const struct em_scene *old, doub
     }
 }
 
+const char *em_run_file_origin(const struct em_scene *scene) {
+  for (size_t s = 0; s < scene->species_count; s++)
+    if (scene->species[s].start == EM_START_RUN) return scene->species[s].from;
+  return NULL;
+}
+
 enum em_status em_run_file_turn(struct em_scene *scene, struct em_error *err) {
-  const char *path = NULL;
-  for (size_t s = 0; s < scene->species_count && !path; s++)
-    if (scene->species[s].start == EM_START_RUN) path = scene->species[s].from;
+  const char *path = em_run_file_origin(scene);
   if (!path || em_scene_blade_count(scene) == 0) return EM_OK;
   struct em_run_file *file = NULL;
   const enum em_status status = em_run_file_open(&file, path, err);

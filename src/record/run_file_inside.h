@@ -19,6 +19,8 @@ struct em_run_file {
 
 enum em_status em_run_file_damaged(const struct em_run_file *file, const char *what,
                                    struct em_error *err);
+/* The run that balls of the scene start from, or NULL. */
+const char *em_run_file_origin(const struct em_scene *scene);
 /* Looks for the collision table; false: it is damaged. */
 bool em_run_file_rows_find(struct em_run_file *file);
 
