@@ -36,6 +36,16 @@ static inline vm vm_below(uint32_t n) {
   return (vm)((1u << (n < 8 ? n : 8)) - 1u);
 }
 
+/* 0, 1, 2 … */
+static inline vl vl_lanes(void) {
+  return (vl){0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+/* Or b where one is no number. */
+static inline vd vd_greater(vd a, vd b) {
+  return _mm512_max_pd(a, b);
+}
+
 static inline unsigned vm_bits(vm in) {
   return in;
 }
@@ -47,6 +57,11 @@ static inline vm vm_of(unsigned bits) {
 
 static inline vd vd_choose(vm in, vd yes, vd no) {
   return _mm512_mask_blend_pd(in, no, yes);
+}
+
+/* By the sign bits. */
+static inline vd vd_choose_negative(vl sign, vd yes, vd no) {
+  return vd_choose(_mm512_movepi64_mask((__m512i)sign), yes, no);
 }
 
 static inline vl vl_choose(vm in, vl yes, vl no) {
@@ -118,6 +133,26 @@ static inline vm vd_equal(vd a, vd b) {
 
 static inline vm vm_below(uint32_t n) {
   return (vl){0, 1, 2, 3} < (int64_t)n;
+}
+
+static inline vl vl_lanes(void) {
+  return (vl){0, 1, 2, 3};
+}
+
+static inline vd vd_choose_negative(vl sign, vd yes, vd no) {
+#ifdef __AVX2__
+  return _mm256_blendv_pd(no, yes, (vd)sign);
+#else
+  return v4d_choose(sign < 0, yes, no);
+#endif
+}
+
+static inline vd vd_greater(vd a, vd b) {
+#ifdef __AVX2__
+  return _mm256_max_pd(a, b);
+#else
+  return v4d_choose(a > b, a, b);
+#endif
 }
 
 static inline unsigned vm_bits(vm in) {
