@@ -37,7 +37,8 @@ struct em_turning {
 };
 
 struct em_partition_kind;
-struct em_places; /* opaque */
+struct em_places;     /* opaque */
+struct em_neighbours; /* see neighbours.h */
 
 struct em_world {
   const struct em_scene *scene;
@@ -80,13 +81,13 @@ struct em_world {
   const struct em_local_kind *local_kind;
   struct em_local *local;
   const struct em_partition_kind *partition_kind;
-  struct em_places *places; /* what the partition keeps */
-  bool cells;               /* that these are cells */
-  bool joins;               /* the contacts of two balls that have met are predicted together */
-  bool fetches_close;       /* memory is asked for their candidates before they meet, */
-  bool fetches_lists;       /* and for their lists before that */
-  double early;             /* m before the end of its place that a ball may be moved on */
-  bool crosses_all;         /* when a ball leaves its place, all its candidates are found anew */
+  struct em_places *places;    /* what the partition keeps */
+  struct em_neighbours *lists; /* near-neighbour lists; NULL: there are none */
+  bool cells;                  /* that these are cells */
+  bool joins;                  /* the contacts of two balls that have met are predicted together */
+  bool fetches_close;          /* memory is asked for their candidates before they meet */
+  double early;                /* m before the end of its place that a ball may be moved on */
+  bool crosses_all;            /* when a ball leaves its place, all its candidates are found anew */
   const struct em_loop_kind *loop;
 
   struct em_observer *observer;

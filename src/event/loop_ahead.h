@@ -86,11 +86,11 @@ static inline __attribute__((always_inline)) void fetch_bin(const struct em_worl
  * in a dense gas of 10⁴ balls. */
 static inline void fetch_lists(const struct em_world *w, const uint32_t *ball, uint32_t n,
                                bool beyond) {
-  if (!w->fetches_lists) return;
+  if (!w->fetches_close || !w->lists) return;
   for (uint32_t k = 0; k < n; k++) {
     const uint32_t i = ball[k], partner = w->plan[i].first.partner;
-    w->partition_kind->fetch(w, i, beyond, false);
-    if (partner < EM_SURFACE) w->partition_kind->fetch(w, partner, beyond, false);
+    em_neighbours_fetch(w->lists, i, beyond);
+    em_neighbours_fetch(w->lists, partner < EM_SURFACE ? partner : i, beyond);
   }
 }
 

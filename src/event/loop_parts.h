@@ -12,6 +12,7 @@
 #include "event/fetch.h"
 #include "event/lanes.h"
 #include "event/local_first.h"
+#include "event/neighbours.h"
 #include "event/partition.h"
 
 struct remedy {
@@ -77,6 +78,10 @@ fetch_bodies(const struct em_world *w, const struct candidates *c, bool close) {
 
 /* Those of ball i. `place`: how many of another ball, and what is behind them, are to be kept. */
 static inline struct candidates candidates_of(struct em_world *w, uint32_t i, uint32_t place) {
+  if (w->lists) {
+    const struct em_list *l = &w->lists->of[i].list;
+    return (struct candidates){w->lists->pool + l->at, l->count};
+  }
   struct candidates c;
   c.id = w->cells ? em_blocks_candidates(w, i, place, &c.count)
                   : w->partition_kind->candidates(w, i, &c.count);

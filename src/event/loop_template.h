@@ -100,6 +100,21 @@ static __attribute__((noinline)) void FN(moved)(struct em_world *w, uint32_t i) 
     w->partition_kind->moved(w, i);
 }
 
+static __attribute__((noinline)) void FN(moved_in_shells)(struct em_world *w, uint32_t i,
+                                                          uint32_t j) {
+  em_neighbours_moved(w, i, j, WITH(GRAVITY), WITH(PERIODIC));
+}
+
+/* Balls i and j. */
+static inline void FN(both_moved)(struct em_world *w, uint32_t i, uint32_t j) {
+  if (w->lists && w->lists->omega == 0.0) {
+    FN(moved_in_shells)(w, i, j);
+    return;
+  }
+  FN(moved)(w, i);
+  FN(moved)(w, j);
+}
+
 /* Ball i reaches the end of its place at the time `leave`. The images of others are those of `now`,
  * when these are in their places: until then a fast one may be elsewhere. Where all candidates are
  * found anew, what was predicted of them goes: it would be kept once more. */
@@ -204,8 +219,7 @@ static enum em_status FN(hit_ball)(struct em_world *w, uint32_t i, uint32_t j, d
   const enum em_status status = FN(collide_pair)(w, i, j, t, &of_i, &of_j, err);
   if (status) return status;
   w->clock = t;
-  FN(moved)(w, i);
-  FN(moved)(w, j);
+  FN(both_moved)(w, i, j);
   const bool done = w->joins ? FN(predict_two)(w, i, j, &of_i, &of_j, t)
                              : FN(predict)(w, i, t) && FN(predict)(w, j, t);
   return done ? EM_OK : no_memory(err);

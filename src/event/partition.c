@@ -44,25 +44,20 @@ static double nearest(double d, double period) {
   return period > 0.0 ? d - period * nearbyint(d / period) : d;
 }
 
-/* The straight path leaves a sphere of nine tenths of the room; what gravity adds until the cap,
- * ½ g τ², is the last tenth. */
+/* The straight path leaves a sphere of nine tenths of the room, or, where the ball is beyond that
+ * already, of half of what is left; what gravity adds until the cap, ½ g τ², is the rest. */
 double em_partition_stay(const struct em_world *w, uint32_t i, double from, struct em_vec c,
                          double room) {
   const struct em_vec x = em_body_at(w, i, from), v = em_body_velocity(w, i, from);
   const struct em_vec o = {nearest(x.x - c.x, w->period.x), nearest(x.y - c.y, w->period.y),
                            nearest(x.z - c.z, w->period.z)};
-  const double s = (w->fall > 0.0 ? 0.9 : 0.999999) * room;
-  const double b = em_vec_dot(o, v), vv = em_vec_norm2(v), c0 = s * s - em_vec_norm2(o);
-  double stay;
-  if (c0 <= 0.0) {
-    const double disc = b * b + vv * c0;
-    stay = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
-  } else {
-    const double root = sqrt(b * b + vv * c0);
-    stay = b > 0.0 ? c0 / (b + root) : vv > 0.0 ? (root - b) / vv : INFINITY;
-  }
-  if (w->fall > 0.0) stay = fmin(stay, sqrt(0.2 * room / w->fall));
-  return from + stay;
+  const double oo = em_vec_norm2(o), b = em_vec_dot(o, v), vv = em_vec_norm2(v);
+  double s = (w->fall > 0.0 ? 0.9 : 0.999999) * room;
+  if (w->fall > 0.0 && oo >= s * s) s = 0.5 * (sqrt(oo) + room);
+  const double c0 = s * s - oo, root = sqrt(fmax(0.0, b * b + vv * c0));
+  double stay = b > 0.0 ? c0 / (b + root) : vv > 0.0 ? (root - b) / vv : INFINITY;
+  if (w->fall > 0.0) stay = fmin(stay, sqrt(2.0 * fmax(0.0, room - s) / w->fall));
+  return from + fmax(0.0, stay);
 }
 
 uint32_t em_partition_blades(const struct em_world *w, struct em_vec c, double radius,

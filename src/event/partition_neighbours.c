@@ -11,46 +11,28 @@
 #include <string.h>
 
 #include "event/fetch.h"
+#include "event/neighbours.h"
 #include "event/partition.h"
 #include "event/shells.h"
 #include "event/span.h"
 #include "event/vectors.h"
 
-#define STRAIGHT 0.8  /* share of the skin for the straight part of a path */
-#define AHEAD    0.7  /* of the skin: how far before the ball a shell is placed */
-#define KEEP     0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
-#define NARROW   0.2  /* of the widest skin: the narrowest */
+#define AHEAD  0.7  /* of the skin: how far before the ball a shell is placed */
+#define KEEP   0.72 /* of the skin: nearer to its centre a shell is kept when its time is up */
+#define NARROW 0.2  /* of the widest skin: the narrowest */
 
 enum {
   LIST_LEAST = 16,  /* a list's room is at least this, doubled when full, halved when it can be */
   LIST_CLASSES = 28 /* rooms up to LIST_LEAST << 27 */
 };
 
-/* The sphere in which a ball stays until plan.leave. */
-struct shell {
-  float centre[3]; /* m */
-  float skin;      /* m: room for the ball's centre */
-};
-
-struct list {
-  uint32_t at; /* first entry in the pool */
-  uint32_t count, room;
-};
-
-/* What an event of a ball reads: half a cache line. */
-struct place {
-  struct shell shell;
-  struct list list;
-} __attribute__((aligned(32)));
-
 struct em_places {
+  struct em_neighbours lists; /* what the loop asks for */
   uint32_t count;
-  struct place *of; /* of each ball */
-  uint32_t *mark;   /* stamps of the last search */
+  uint32_t *mark; /* stamps of the last search */
   uint32_t stamp;
   bool surfaces; /* that there are any */
 
-  uint32_t *pool; /* of all lists */
   size_t pool_used, pool_room;
   uint32_t *spare[LIST_CLASSES]; /* freed pieces by size: positions in the pool */
   size_t spare_count[LIST_CLASSES], spare_room[LIST_CLASSES];
@@ -60,12 +42,10 @@ struct em_places {
   uint32_t *gone;  /* scratch: as many as the longest list has room for */
   size_t found_room, gone_room;
 
-  double omega;                 /* rad/s of the shells about the drum's axis */
   double phase;                 /* rad, their angle at the epoch's start */
   double at, cos, sin;          /* of their angle at the time `at` */
   double now, cos_now, sin_now; /* and at the time last asked for */
   bool may_turn;
-  double bend, bend_per_speed2; /* m/s², 1/m: see set_bend */
 
   double skin_least, skin_most;
   uint32_t few, many; /* neighbours; beyond them the skin adapts */
@@ -99,9 +79,9 @@ static bool pool_grow(struct em_places *p, size_t wanted) {
     room += room / 4 + LIST_LEAST;
   uint32_t *pool = em_body_array(room, sizeof *pool);
   if (!pool) return false;
-  if (p->pool) memcpy(pool, p->pool, p->pool_used * sizeof *pool);
-  free(p->pool);
-  p->pool = pool;
+  if (p->lists.pool) memcpy(pool, p->lists.pool, p->pool_used * sizeof *pool);
+  free(p->lists.pool);
+  p->lists.pool = pool;
   p->pool_room = room;
   return true;
 }
@@ -120,14 +100,14 @@ static bool list_take(struct em_places *p, uint32_t room, uint32_t *at) {
 
 /* Moves a list to another room, at least its count. False: no memory, and a list that was to become
  * smaller is as it was. */
-static bool list_move(struct em_places *p, struct list *l, uint32_t room) {
+static bool list_move(struct em_places *p, struct em_list *l, uint32_t room) {
   const unsigned k = class_of(l->room);
   uint32_t at;
   if (p->spare_count[k] == p->spare_room[k] &&
       !grow((void **)&p->spare[k], sizeof **p->spare, &p->spare_room[k], p->spare_count[k] + 1))
     return false;
   if (!list_take(p, room, &at)) return false;
-  memcpy(p->pool + at, p->pool + l->at, l->count * sizeof *p->pool);
+  memcpy(p->lists.pool + at, p->lists.pool + l->at, l->count * sizeof *p->lists.pool);
   p->spare[k][p->spare_count[k]++] = l->at;
   l->at = at;
   l->room = room;
@@ -135,16 +115,16 @@ static bool list_move(struct em_places *p, struct list *l, uint32_t room) {
 }
 
 static inline bool list_add(struct em_places *p, uint32_t i, uint32_t j) {
-  struct list *l = &p->of[i].list;
+  struct em_list *l = &p->lists.of[i].list;
   if (l->count == l->room && !list_move(p, l, 2 * l->room)) return false;
-  p->pool[l->at + l->count++] = j;
+  p->lists.pool[l->at + l->count++] = j;
   return true;
 }
 
 /* Four entries at a time: where one stands cannot be foretold, and a wrong guess costs more. */
 static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
-  struct list *l = &p->of[i].list;
-  uint32_t *e = p->pool + l->at;
+  struct em_list *l = &p->lists.of[i].list;
+  uint32_t *e = p->lists.pool + l->at;
   uint32_t k = 0;
   unsigned here;
   while (!(here = v4i_bits(*(const v4i *)(e + k) == (int)j)))
@@ -157,9 +137,9 @@ static inline void list_drop(struct em_places *p, uint32_t i, uint32_t j) {
 /* Sets the cosine and sine of the shells' angle at time t, to 1e-12: from those of a time nearby,
  * which are renewed every few thousandths of a turn. */
 static void shells_turn(struct em_places *p, double t) {
-  double d = p->omega * (t - p->at);
+  double d = p->lists.omega * (t - p->at);
   if (!(fabs(d) < 0.02)) {
-    const double angle = p->phase + p->omega * t;
+    const double angle = p->phase + p->lists.omega * t;
     p->at = t;
     p->cos = cos(angle);
     p->sin = sin(angle);
@@ -177,61 +157,44 @@ static void shells_turn(struct em_places *p, double t) {
 static void turn_to_shells(struct em_places *p, double t, struct em_vec *x, struct em_vec *v) {
   if (t != p->now) shells_turn(p, t);
   const double c = p->cos_now, s = p->sin_now;
-  const double u = v->x - p->omega * x->z, m = v->z + p->omega * x->x;
+  const double u = v->x - p->lists.omega * x->z, m = v->z + p->lists.omega * x->x;
   *x = em_vec_make(c * x->x - s * x->z, x->y, s * x->x + c * x->z);
   *v = em_vec_make(c * u - s * m, v->y, s * u + c * m);
 }
 
-/* From the centre of shell s to x, or to its nearest image. */
-static inline struct em_vec offset(const struct em_world *w, const struct shell *s,
-                                   struct em_vec x) {
-  struct em_vec o = {x.x - (double)s->centre[0], x.y - (double)s->centre[1],
-                     x.z - (double)s->centre[2]};
-  if (w->per_period.x + w->per_period.y + w->per_period.z == 0.0) return o;
-  o.x -= em_body_shift(o.x, w->period.x, w->per_period.x);
-  o.y -= em_body_shift(o.y, w->period.y, w->per_period.y);
-  o.z -= em_body_shift(o.z, w->period.z, w->per_period.z);
-  return o;
+static struct em_two twice(struct em_vec v) {
+  return (struct em_two){{v.x, v.x}, {v.y, v.y}, {v.z, v.z}};
+}
+
+static bool is_periodic(const struct em_world *w) {
+  return w->per_period.x + w->per_period.y + w->per_period.z != 0.0;
 }
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
- * `fast2`: its squared speed in the frame of the scene. Its straight path may use a part of the
- * skin, what bends the path the rest: gravity, and, seen from turning shells, 2 Ω |v| + Ω² ρ,
- * together less than `bend`. */
-static double stay(const struct em_world *w, const struct em_places *p, const struct shell *s,
-                   double from, struct em_vec x, struct em_vec v, double fast2) {
-  const double skin = (double)s->skin, vv = em_vec_norm2(v);
-  const double bend = p->bend + p->bend_per_speed2 * fast2;
-  const double room = bend > 0.0 ? STRAIGHT * skin : 0.999999 * skin;
-  const struct em_vec o = offset(w, s, x);
-  const double b = em_vec_dot(o, v), c = room * room - em_vec_norm2(o), disc = b * b + vv * c;
-  double time;
-  if (c <= 0.0) {
-    time = b < 0.0 && disc > 0.0 ? (sqrt(disc) - b) / vv : 0.0;
-  } else { /* inwards or outwards is anybody's guess: no branch */
-    const double root = sqrt(disc), way[2] = {root - b, c}, rate[2] = {vv, b + root};
-    time = vv > 0.0 ? way[b > 0.0] / rate[b > 0.0] : INFINITY;
-  }
-  if (0.5 * bend * time * time > (1.0 - STRAIGHT) * skin)
-    time = sqrt(2.0 * (1.0 - STRAIGHT) * skin / bend);
-  return from + time;
+ * `fast2`: its squared speed in the frame of the scene. Its path is bent by gravity, and, seen from
+ * turning shells, by 2 Ω |v| + Ω² ρ, together less than `bend`. */
+static double stay(const struct em_world *w, const struct em_shell *s, double from, struct em_vec x,
+                   struct em_vec v, double fast2) {
+  const double bend = w->lists->bend + w->lists->bend_per_speed2 * fast2;
+  return from + em_neighbours_stay(w, s, s, twice(x), twice(v), (v2d){bend, bend}, bend > 0.0,
+                                   is_periodic(w))[0];
 }
 
 /* What bends a path at most: a speed u is less than (u²/a + a)/2 for any a, and gravity adds to it
  * less than √(2 · rest of the skin · g) before the ball is out. */
 static void set_bend(const struct em_world *w, struct em_places *p, double usual_speed) {
-  const double turn = fabs(p->omega), a = fmax(usual_speed, 1e-3 * turn * w->rho);
-  const double fallen = sqrt(2.0 * (1.0 - STRAIGHT) * p->skin_most * w->fall);
-  p->bend = w->fall;
-  p->bend_per_speed2 = 0.0;
+  const double turn = fabs(p->lists.omega), a = fmax(usual_speed, 1e-3 * turn * w->rho);
+  const double fallen = sqrt(2.0 * (1.0 - EM_NEIGHBOURS_STRAIGHT) * p->skin_most * w->fall);
+  p->lists.bend = w->fall;
+  p->lists.bend_per_speed2 = 0.0;
   if (turn == 0.0) return;
-  p->bend += turn * turn * w->rho + 2.0 * turn * (fallen + 0.5 * a);
-  p->bend_per_speed2 = turn / a;
+  p->lists.bend += turn * turn * w->rho + 2.0 * turn * (fallen + 0.5 * a);
+  p->lists.bend_per_speed2 = turn / a;
 }
 
 /* Walls and blades that a ball can touch while its shell stays where it is, or turns about the
  * drum's axis; `reach`: how far from the shell's centre its surface can be. */
-static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, double reach) {
+static uint32_t surfaces_near(const struct em_world *w, const struct em_shell *s, double reach) {
   const double x = (double)s->centre[0], y = (double)s->centre[1], z = (double)s->centre[2];
   const double r = reach * (1.0 + 1e-6), in = w->rho - r;
   uint32_t near = em_partition_blades(w, em_vec_make(x, y, z), r, em_vec_make(0.0, 0.0, 0.0));
@@ -247,11 +210,12 @@ static uint32_t surfaces_near(const struct em_world *w, const struct shell *s, d
 static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, double now) {
   struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
   const double fast2 = em_vec_norm2(v);
-  if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
-  const struct shell *s = &p->of[i].shell;
+  if (p->lists.omega != 0.0) turn_to_shells(p, now, &x, &v);
+  const struct em_shell *s = &p->lists.of[i].shell;
+  const struct em_two o = em_neighbours_offset(w, s, s, twice(x), is_periodic(w));
   const double inside = KEEP * (double)s->skin;
-  if (em_vec_norm2(offset(w, s, x)) > inside * inside) return false;
-  w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
+  if (em_two_dot(o, o)[0] > inside * inside) return false;
+  w->plan[i].leave = stay(w, s, now, x, v, fast2);
   return true;
 }
 
@@ -259,27 +223,27 @@ static bool shell_keeps(struct em_world *w, struct em_places *p, uint32_t i, dou
 static void shell_place(struct em_world *w, struct em_places *p, uint32_t i, double now) {
   struct em_vec x = em_body_at(w, i, now), v = em_body_velocity(w, i, now);
   const double fast2 = em_vec_norm2(v);
-  if (p->omega != 0.0) turn_to_shells(p, now, &x, &v);
+  if (p->lists.omega != 0.0) turn_to_shells(p, now, &x, &v);
   const double speed2 = em_vec_norm2(v);
-  struct shell *s = &p->of[i].shell;
+  struct em_shell *s = &p->lists.of[i].shell;
   const double ahead = speed2 > 0.0 ? AHEAD * (double)s->skin / sqrt(speed2) : 0.0;
   const struct em_vec c = em_body_wrap(w, em_vec_axpy(x, ahead, v));
   s->centre[0] = (float)c.x;
   s->centre[1] = (float)c.y;
   s->centre[2] = (float)c.z;
-  w->plan[i].leave = stay(w, p, s, now, x, v, fast2);
+  w->plan[i].leave = stay(w, s, now, x, v, fast2);
   if (p->surfaces) w->plan[i].near = surfaces_near(w, s, w->body[i].radius + (double)s->skin);
 }
 
 static float hull_of(const struct em_world *w, uint32_t i) {
-  return w->places->of[i].shell.skin + (float)w->body[i].radius;
+  return w->places->lists.of[i].shell.skin + (float)w->body[i].radius;
 }
 
 /* All shells near that of ball i go to p->found; false: no memory. */
 static bool search(const struct em_world *w, struct em_places *p, uint32_t i, uint32_t *count) {
   for (;;) {
     const uint32_t most = (uint32_t)p->found_room;
-    *count = em_shells_find(&p->shells, p->of[i].shell.centre, hull_of(w, i), p->found, most);
+    *count = em_shells_find(&p->shells, p->lists.of[i].shell.centre, hull_of(w, i), p->found, most);
     if (*count < most) return true;
     if (!grow((void **)&p->found, sizeof *p->found, &p->found_room, 2 * p->found_room + 64))
       return false;
@@ -297,12 +261,12 @@ static uint32_t next_stamp(struct em_places *p) {
 /* Takes ball i out of the lists of those that were near and are no longer, and leaves in p->found
  * those that have come near; returns how many. What each is cannot be foretold: no branches. */
 static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
-  struct list *l = &p->of[i].list;
-  uint32_t *mark = p->mark, *old = p->pool + l->at, *gone = p->gone;
+  struct em_list *l = &p->lists.of[i].list;
+  uint32_t *mark = p->mark, *old = p->lists.pool + l->at, *gone = p->gone;
   const uint32_t was = next_stamp(p), stays = was + 1;
   for (uint32_t k = 0; k < l->count; k++) {
     mark[old[k]] = was;
-    __builtin_prefetch(&p->of[old[k]].list);
+    __builtin_prefetch(&p->lists.of[old[k]].list);
   }
   uint32_t come = 0, left = 0, go = 0;
   for (uint32_t k = 0; k < found; k++) {
@@ -310,7 +274,7 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
     mark[j] += near;
     p->found[come] = j;
     come += !near;
-    __builtin_prefetch(&p->of[j].list);
+    __builtin_prefetch(&p->lists.of[j].list);
   }
   for (uint32_t k = 0; k < l->count; k++) {
     const uint32_t j = old[k], keep = mark[j] == stays;
@@ -320,9 +284,9 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
   }
   l->count = left;
   for (uint32_t k = 0; k < go; k++)
-    __builtin_prefetch(p->pool + p->of[gone[k]].list.at);
+    __builtin_prefetch(p->lists.pool + p->lists.of[gone[k]].list.at);
   for (uint32_t k = 0; k < come; k++)
-    __builtin_prefetch(p->pool + p->of[p->found[k]].list.at);
+    __builtin_prefetch(p->lists.pool + p->lists.of[p->found[k]].list.at);
   for (uint32_t k = 0; k < go; k++)
     list_drop(p, gone[k], i);
   return come;
@@ -330,8 +294,8 @@ static uint32_t exchange(struct em_places *p, uint32_t i, uint32_t found) {
 
 static const uint32_t *cross(struct em_world *w, uint32_t i, double now, uint32_t *count) {
   struct em_places *p = w->places;
-  struct list *l = &p->of[i].list;
-  struct shell *s = &p->of[i].shell;
+  struct em_list *l = &p->lists.of[i].list;
+  struct em_shell *s = &p->lists.of[i].shell;
   *count = 0;
   if (shell_keeps(w, p, i, now)) return p->found;
   if (l->count > p->many)
@@ -355,9 +319,9 @@ memory:
 }
 
 static const uint32_t *candidates(struct em_world *w, uint32_t i, uint32_t *count) {
-  const struct list *l = &w->places->of[i].list;
+  const struct em_list *l = &w->places->lists.of[i].list;
   *count = l->count;
-  return w->places->pool + l->at;
+  return w->places->lists.pool + l->at;
 }
 
 static void moved(struct em_world *w, uint32_t i) {
@@ -365,19 +329,17 @@ static void moved(struct em_world *w, uint32_t i) {
   const struct em_body *b = &w->body[i];
   struct em_vec x = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};
   const double fast2 = em_vec_norm2(v);
-  if (p->omega != 0.0) turn_to_shells(p, b->t, &x, &v);
-  w->plan[i].leave = stay(w, p, &p->of[i].shell, b->t, x, v, fast2);
+  if (p->lists.omega != 0.0) turn_to_shells(p, b->t, &x, &v);
+  w->plan[i].leave = stay(w, &p->lists.of[i].shell, b->t, x, v, fast2);
 }
 
 static void fetch(const struct em_world *w, uint32_t i, bool beyond, bool leaves) {
   const struct em_places *p = w->places;
-  if (!beyond) {
-    em_fetch(&p->of[i]);
+  em_neighbours_fetch(&p->lists, i, beyond);
+  if (!beyond)
     em_fetch(&p->shells.cell[i]);
-    return;
-  }
-  em_fetch(p->pool + p->of[i].list.at);
-  if (leaves) em_shells_fetch(&p->shells, p->of[i].shell.centre, hull_of(w, i));
+  else if (leaves)
+    em_shells_fetch(&p->shells, p->lists.of[i].shell.centre, hull_of(w, i));
 }
 
 /* --- making ----------------------------------------------------------------------------------- */
@@ -399,7 +361,7 @@ static double skin_most(const struct em_world *w) {
 
 /* Rounding of a shell's centre may take half of what its ball has left of the straight part. */
 static bool fits(const struct em_world *w, double most) {
-  const double least = NARROW * most, rounding = 0.5 * (STRAIGHT - AHEAD) * least;
+  const double least = NARROW * most, rounding = 0.5 * (EM_NEIGHBOURS_STRAIGHT - AHEAD) * least;
   return w->count == 0 || em_shells_resolve(w->low, w->high, rounding, least + w->smallest);
 }
 
@@ -411,9 +373,9 @@ static void free_places(struct em_places *p) {
   if (!p) return;
   for (int k = 0; k < LIST_CLASSES; k++)
     free(p->spare[k]);
-  free(p->of);
+  free(p->lists.of);
   free(p->mark);
-  free(p->pool);
+  free(p->lists.pool);
   free(p->found);
   free(p->gone);
   em_shells_release(&p->shells);
@@ -421,10 +383,11 @@ static void free_places(struct em_places *p) {
 }
 
 static bool take_arrays(const struct em_world *w, struct em_places *p) {
-  p->of = em_body_array(w->count, sizeof *p->of);
+  p->lists.of = em_body_array(w->count, sizeof *p->lists.of);
   p->mark = em_body_array(w->count, sizeof *p->mark);
   p->surfaces = w->drum || w->walls || w->blade_count;
-  return p->of && p->mark && grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
+  return p->lists.of && p->mark &&
+         grow((void **)&p->gone, sizeof *p->gone, &p->gone_room, LIST_LEAST) &&
          em_shells_init(&p->shells, w->count, w->low, w->high, w->period, p->skin_most + w->largest,
                         w->loop->lanes >= 4);
 }
@@ -437,15 +400,15 @@ static bool fill(struct em_world *w, struct em_places *p) {
     if (!search(w, p, i, &count)) return false;
     for (uint32_t k = 0; k < count; k++)
       if (!list_add(p, i, p->found[k]) || !list_add(p, p->found[k], i)) return false;
-    if (!em_shells_enter(&p->shells, i, p->of[i].shell.centre, hull_of(w, i))) return false;
+    if (!em_shells_enter(&p->shells, i, p->lists.of[i].shell.centre, hull_of(w, i))) return false;
   }
   return true;
 }
 
 static bool first_fill(struct em_world *w, struct em_places *p) {
   for (uint32_t i = 0; i < w->count; i++) {
-    struct list *l = &p->of[i].list;
-    p->of[i].shell.skin = (float)p->skin_most;
+    struct em_list *l = &p->lists.of[i].list;
+    p->lists.of[i].shell.skin = (float)p->skin_most;
     l->room = LIST_LEAST;
     if (!list_take(p, l->room, &l->at)) return false;
   }
@@ -481,17 +444,17 @@ static double mean_rotation(const struct em_world *w, double *rest) {
 static bool renew(struct em_world *w) {
   struct em_places *p = w->places;
   if (!p->may_turn) return true;
-  p->phase = fmod(p->phase + p->omega * w->epoch_length, 2.0 * M_PI);
+  p->phase = fmod(p->phase + p->lists.omega * w->epoch_length, 2.0 * M_PI);
   p->at = p->now = NAN;
   double rest;
   const double omega = mean_rotation(w, &rest);
-  if (fabs(omega - p->omega) * w->rho < 0.25 * rest) return true;
-  p->omega = omega;
+  if (fabs(omega - p->lists.omega) * w->rho < 0.25 * rest) return true;
+  p->lists.omega = omega;
   p->phase = 0.0;
   set_bend(w, p, hypot(rest, omega * w->rho));
   em_shells_clear(&p->shells);
   for (uint32_t i = 0; i < w->count; i++)
-    p->of[i].list.count = 0;
+    p->lists.of[i].list.count = 0;
   return fill(w, p);
 }
 
@@ -511,14 +474,16 @@ static enum em_status make(struct em_world *w, struct em_error *err) {
   p->few = 12;
   p->many = 28;
   w->places = p;
+  w->lists = &p->lists;
   p->may_turn = may_turn(w);
   w->early = p->may_turn ? 0.0 : 0.1 * p->skin_least;
   p->at = p->now = NAN;
   double rest = 0.0;
-  if (p->may_turn) p->omega = mean_rotation(w, &rest);
-  set_bend(w, p, hypot(rest, p->omega * w->rho));
+  if (p->may_turn) p->lists.omega = mean_rotation(w, &rest);
+  set_bend(w, p, hypot(rest, p->lists.omega * w->rho));
   if (!take_arrays(w, p) || !first_fill(w, p)) {
     w->places = NULL;
+    w->lists = NULL;
     free_places(p);
     return em_error_set(err, EM_MEMORY, NULL, 0, "no memory for the neighbour lists");
   }
@@ -526,7 +491,8 @@ static enum em_status make(struct em_world *w, struct em_error *err) {
 }
 
 static size_t bytes(const struct em_places *p) {
-  size_t sum = p->count * (sizeof *p->of + sizeof *p->mark) + p->pool_room * sizeof *p->pool +
+  size_t sum = p->count * (sizeof *p->lists.of + sizeof *p->mark) +
+               p->pool_room * sizeof *p->lists.pool +
                (p->found_room + p->gone_room) * sizeof *p->found;
   for (int k = 0; k < LIST_CLASSES; k++)
     sum += p->spare_room[k] * sizeof **p->spare;
@@ -537,13 +503,13 @@ static size_t bytes(const struct em_places *p) {
 static bool is_valid(const struct em_world *w) {
   const struct em_places *p = w->places;
   for (uint32_t i = 0; i < p->count; i++) {
-    const struct list *l = &p->of[i].list;
-    if (!em_shells_holds(&p->shells, i, p->of[i].shell.centre)) return false;
+    const struct em_list *l = &p->lists.of[i].list;
+    if (!em_shells_holds(&p->shells, i, p->lists.of[i].shell.centre)) return false;
     for (uint32_t k = 0; k < l->count; k++) {
-      const struct list *m = &p->of[p->pool[l->at + k]].list;
+      const struct em_list *m = &p->lists.of[p->lists.pool[l->at + k]].list;
       uint32_t seen = 0;
       for (uint32_t h = 0; h < m->count; h++)
-        seen += p->pool[m->at + h] == i;
+        seen += p->lists.pool[m->at + h] == i;
       if (seen != 1) return false;
     }
   }

@@ -3,6 +3,7 @@
 #define EVENTMILL_EVENT_VECTORS_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 #ifdef __AVX2__
@@ -10,6 +11,10 @@
 #elif defined(__SSE2__)
 #include <emmintrin.h>
 #endif
+
+/* Adding this and taking it away rounds to the nearest integer, for |x| < 2^51: to the same one as
+ * the instructions do. */
+#define EM_NEAREST 6755399441055744.0
 
 typedef float v8f __attribute__((vector_size(32), may_alias));
 typedef int32_t v8i __attribute__((vector_size(32), may_alias));
@@ -47,6 +52,43 @@ static inline unsigned v4i_bits(v4i mask) {
   for (int k = 0; k < 4; k++)
     bits |= (mask[k] & 1u) << k;
   return bits;
+#endif
+}
+
+/* --- two doubles ------------------------------------------------------------------------------ */
+
+typedef double v2d __attribute__((vector_size(16), may_alias));
+typedef int64_t v2l __attribute__((vector_size(16), may_alias));
+
+static inline v2d v2d_choose(v2l mask, v2d yes, v2d no) {
+#ifdef __AVX2__
+  return _mm_blendv_pd(no, yes, (v2d)mask);
+#else
+  return (v2d)((mask & (v2l)yes) | (~mask & (v2l)no));
+#endif
+}
+
+static inline v2d v2d_sqrt(v2d a) {
+#ifdef __SSE2__
+  return _mm_sqrt_pd(a);
+#else
+  return (v2d){sqrt(a[0]), sqrt(a[1])};
+#endif
+}
+
+static inline v2d v2d_nearest(v2d a) {
+#ifdef __AVX2__
+  return _mm_round_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+#else
+  return (a + EM_NEAREST) - EM_NEAREST;
+#endif
+}
+
+static inline bool v2l_any(v2l mask) {
+#ifdef __SSE2__
+  return _mm_movemask_pd((v2d)mask) != 0;
+#else
+  return (mask[0] | mask[1]) != 0;
 #endif
 }
 
@@ -91,10 +133,6 @@ static inline v4d v4d_sqrt(v4d a) {
   return (v4d){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
 #endif
 }
-
-/* Adding this and taking it away rounds to the nearest integer, for |x| < 2^51: to the same one as
- * the instructions do. */
-#define EM_NEAREST 6755399441055744.0
 
 static inline v4d v4d_nearest(v4d a) {
 #ifdef __AVX2__

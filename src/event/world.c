@@ -198,7 +198,6 @@ static enum em_status set_lists(struct em_world *w, struct em_error *err) {
   w->keeps_all = w->local_kind->keeps_all;
   w->joins = w->vectors && !w->keeps_all && w->partition_kind->lasting;
   w->fetches_close = w->count >= EM_FETCH_CLOSE_FROM && w->count < EM_FETCH_FROM;
-  w->fetches_lists = w->fetches_close && !w->cells && w->partition_kind->fetch;
   w->queue = w->queue_kind->make(w->count, w->plan, spacing);
   w->local = w->local_kind->make(w->count, w->plan);
   if (!w->queue || !w->local)

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "event/body.h"
+#include "event/neighbours.h"
 #include "event/partition.h"
 #include "support/trial.h"
 
@@ -254,6 +255,65 @@ static void test_nothing_is_left_out(void **unused) {
       drive(w, which + 1);
       close_world(w, scene);
     }
+}
+
+/* --- places ------------------------------------------------------------------------------------
+ */
+
+/* A ball somewhere in a sphere, slow enough for gravity to bend its path within it. */
+static struct em_vec throw_ball(struct em_world *w, uint32_t i, double room, uint64_t *state) {
+  struct em_body *b = &w->body[i];
+  struct em_vec o;
+  do
+    o = em_vec_make(2.0 * draw(state) - 1.0, 2.0 * draw(state) - 1.0, 2.0 * draw(state) - 1.0);
+  while (em_vec_norm2(o) > 1.0);
+  const double speed = 0.6 * draw(state) * draw(state);
+  b->vx = speed * (draw(state) - 0.5);
+  b->vy = speed * (draw(state) - 0.5);
+  b->vz = draw(state) < 0.05 ? 0.0 : speed * (draw(state) - 0.5);
+  return em_vec_axpy(em_body_at(w, i, b->t), room, o);
+}
+
+/* How far from a point ball i gets until the time `end`, in `room`; counts those that go far. */
+static double farthest(const struct em_world *w, uint32_t i, struct em_vec c, double end,
+                       double room, uint64_t *far) {
+  enum { STEPS = 200 };
+  const double from = w->body[i].t, span = end < INFINITY ? end - from : 1.0;
+  double most = 0.0;
+  for (int k = 1; k <= STEPS; k++) {
+    const struct em_vec x = em_body_at(w, i, from + span * k / STEPS);
+    most = fmax(most, em_vec_norm(em_vec_sub(x, c)));
+  }
+  *far += most > 0.85 * room;
+  return most;
+}
+
+/* Until its leave time a ball is in its place, wherever it was hit, by gravity or without. */
+static void test_balls_stay_in_their_places(void **unused) {
+  (void)unused;
+  const double room = 0.002;
+  for (size_t which = 0; which < SCENES; which++) {
+    struct em_scene *scene;
+    struct em_world *w = open_world(which, EM_PARTITION_NEIGHBOURS, EM_LISTS_CALENDAR, 0, &scene);
+    uint64_t state = 7, far = 0, far_shell = 0;
+    for (int n = 0; n < 20000; n++) {
+      const struct em_vec c = throw_ball(w, 0, room, &state);
+      const double most =
+          farthest(w, 0, c, em_partition_stay(w, 0, w->body[0].t, c, room), room, &far);
+      if (most > room * (1.0 + 1e-9)) fail_msg("%s: %g in %g m", scenes[which].name, most, room);
+      if (w->lists->omega != 0.0) continue;
+      struct em_shell *s = &w->lists->of[0].shell;
+      *s = (struct em_shell){{(float)c.x, (float)c.y, (float)c.z}, (float)room};
+      const struct em_vec d = {(double)s->centre[0], (double)s->centre[1], (double)s->centre[2]};
+      w->partition_kind->moved(w, 0);
+      const double out = farthest(w, 0, d, w->plan[0].leave, room, &far_shell);
+      const double in = em_vec_norm(em_vec_sub(em_body_at(w, 0, w->body[0].t), d));
+      if (out > fmax(in, room) * (1.0 + 1e-6))
+        fail_msg("%s: %g in a shell of %g m", scenes[which].name, out, room);
+    }
+    assert_true(far > 1000 && (far_shell > 1000 || w->lists->omega != 0.0));
+    close_world(w, scene);
+  }
 }
 
 /* --- the same collisions ---------------------------------------------------------------------- */
@@ -531,6 +591,7 @@ static void test_single_precision(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
+      cmocka_unit_test(test_balls_stay_in_their_places),
       cmocka_unit_test(test_same_collisions),
       cmocka_unit_test(test_cells_get_roomy),
       cmocka_unit_test(test_too_many_slices),
