@@ -172,7 +172,8 @@ static bool is_periodic(const struct em_world *w) {
 
 /* Until when a ball that is seen at x with velocity v at the time `from` surely stays in shell s.
  * `fast2`: its squared speed in the frame of the scene. Its path is bent by gravity, and, seen from
- * turning shells, by 2 Ω |v| + Ω² ρ, together less than `bend`. */
+ * turning shells, by 2 Ω |v| + Ω² ρ, ρ up to the corners of a drum with facets, together less than
+ * `bend`. */
 static double stay(const struct em_world *w, const struct em_shell *s, double from, struct em_vec x,
                    struct em_vec v, double fast2) {
   const double bend = w->lists->bend + w->lists->bend_per_speed2 * fast2;
@@ -183,12 +184,13 @@ static double stay(const struct em_world *w, const struct em_shell *s, double fr
 /* What bends a path at most: a speed u is less than (u²/a + a)/2 for any a, and gravity adds to it
  * less than √(2 · rest of the skin · g) before the ball is out. */
 static void set_bend(const struct em_world *w, struct em_places *p, double usual_speed) {
-  const double turn = fabs(p->lists.omega), a = fmax(usual_speed, 1e-3 * turn * w->rho);
+  const double turn = fabs(p->lists.omega), reach = em_scene_reach(w->scene);
+  const double a = fmax(usual_speed, 1e-3 * turn * reach);
   const double fallen = sqrt(2.0 * (1.0 - EM_NEIGHBOURS_STRAIGHT) * p->skin_most * w->fall);
   p->lists.bend = w->fall;
   p->lists.bend_per_speed2 = 0.0;
   if (turn == 0.0) return;
-  p->lists.bend += turn * turn * w->rho + 2.0 * turn * (fallen + 0.5 * a);
+  p->lists.bend += turn * turn * reach + 2.0 * turn * (fallen + 0.5 * a);
   p->lists.bend_per_speed2 = turn / a;
 }
 

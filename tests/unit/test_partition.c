@@ -316,6 +316,73 @@ static void test_balls_stay_in_their_places(void **unused) {
   }
 }
 
+/* Where x (m), at the time t, is seen from shells that have turned since 0. */
+static struct em_vec seen_from_shells(const struct em_world *w, struct em_vec x, double t) {
+  const double c = cos(w->lists->omega * t), s = sin(w->lists->omega * t);
+  return em_vec_make(c * x.x - s * x.z, x.y, s * x.x + c * x.z);
+}
+
+/* Is the centre of ball 0 beyond one of the drum's facets? */
+static bool is_outside(const struct em_world *w, struct em_vec x) {
+  return em_vec_dot(em_body_facet(w, x), x) + w->rho - w->body[0].radius < 0.0;
+}
+
+/* Anywhere between the facets, often in a corner, with a velocity that is often along the circle.
+ */
+static void throw_in_drum(struct em_world *w, uint64_t *state) {
+  struct em_body *b = &w->body[0];
+  const double reach = em_scene_reach(w->scene), turn = w->lists->omega;
+  double r, angle;
+  do {
+    angle = 2.0 * M_PI * draw(state);
+    r = reach * (0.6 + 0.3 * draw(state));
+    b->x = r * cos(angle), b->y = 15.0, b->z = r * sin(angle);
+  } while (is_outside(w, em_vec_make(b->x, b->y, b->z)));
+  const double speed = turn * r * (4.0 * draw(state) - 2.0);
+  const double along = angle + 0.5 * M_PI + (draw(state) - 0.5);
+  b->vx = speed * cos(along), b->vy = 0.0, b->vz = speed * sin(along);
+  b->t = 0.5 * w->epoch_length * draw(state);
+}
+
+/* In shells that turn, too, up to the corners of a drum with facets, which are further out than its
+ * radius. */
+static void test_balls_stay_in_turning_shells(void **unused) {
+  (void)unused;
+  static const char text[] =
+      "chamber = { shape = \"drum\"; diameter = 10.0; length = 30.0; facets = 3; };"
+      "rotor = ( { rpm = 60.0; point = [0.0, 0.0, 0.0]; radius = 0.3; reach = 2.0;"
+      "  blades = ( { y = 10.0; angle_deg = 0.0; } ); } ); gravity = \"none\";"
+      "balls = { count = 1; diameter = 1.0; start = \"table\";"
+      "  table = ( [0.0, 15.0, 4.0, 8.0, 0.0, 0.0] ); }; engine = { skin = 1.0; };" GAS;
+  enum { STEPS = 20 };
+  struct trial t;
+  trial_open(&t, text, "engine.partition=neighbours");
+  struct em_world *w = t.world;
+  struct em_shell *s = &w->lists->of[0].shell;
+  uint64_t state = 7, far = 0;
+  assert_true(w->lists->omega == 2.0);
+  for (int n = 0; n < 200000; n++) {
+    throw_in_drum(w, &state);
+    const double from = w->body[0].t;
+    const double angle = 2.0 * M_PI * draw(&state), off = draw(&state);
+    const struct em_vec o = {off * cos(angle), 0.0, off * sin(angle)};
+    const struct em_vec c = em_vec_add(o, seen_from_shells(w, em_body_at(w, 0, from), from));
+    *s = (struct em_shell){{(float)c.x, (float)c.y, (float)c.z}, 1.0f};
+    w->partition_kind->moved(w, 0);
+    const double span = w->plan[0].leave - from;
+    for (int k = 1; k <= STEPS; k++) {
+      const double at = from + span * k / STEPS;
+      const struct em_vec x = em_body_at(w, 0, at);
+      if (is_outside(w, x)) break;
+      const double out = em_vec_norm(em_vec_sub(seen_from_shells(w, x, at), c));
+      far += out > 0.95;
+      if (out > 1.0 + 1e-6) fail_msg("%g in a shell of 1 m", out);
+    }
+  }
+  assert_true(far > 1000);
+  trial_free(&t);
+}
+
 /* --- the same collisions ---------------------------------------------------------------------- */
 
 struct print {
@@ -592,6 +659,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nothing_is_left_out),
       cmocka_unit_test(test_balls_stay_in_their_places),
+      cmocka_unit_test(test_balls_stay_in_turning_shells),
       cmocka_unit_test(test_same_collisions),
       cmocka_unit_test(test_cells_get_roomy),
       cmocka_unit_test(test_too_many_slices),
