@@ -356,9 +356,12 @@ static double skin_for(const struct em_world *w) {
 }
 
 /* In a periodic box the image that is nearest at a prediction has to be the one that is met: until
- * a ball leaves its shell it moves by two skins at the most, a pair by four. */
+ * a ball leaves its shell it moves by two skins at the most, a pair by four. And of two that are
+ * candidates already, whose shells are near each other but for the slack, no new shell asks anew.
+ */
 static double skin_most(const struct em_world *w) {
-  return fmin(skin_for(w) * 2.0 * w->largest, em_span_room(w));
+  const double slack = em_shells_slack(w->low, w->high);
+  return fmin(skin_for(w) * 2.0 * w->largest, fmax(0.0, em_span_room(w) - 0.25 * slack));
 }
 
 /* Rounding of a shell's centre may take half of what its ball has left of the straight part. */

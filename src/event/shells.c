@@ -56,6 +56,10 @@ bool em_shells_resolve(struct em_vec low, struct em_vec high, double rounding, d
          (double)FLT_EPSILON * hull * hull >= (double)FLT_MIN;
 }
 
+double em_shells_slack(struct em_vec low, struct em_vec high) {
+  return 1e-6 * (em_vec_norm(low) + 2.0 * em_vec_norm(em_vec_sub(high, low)));
+}
+
 static void set_cells(struct em_shells *s, struct em_vec extent) {
   const double length[3] = {extent.x, extent.y, extent.z};
   const double share = PER_CELL * extent.x * extent.y * extent.z / fmax(1.0, s->count);
@@ -79,7 +83,7 @@ bool em_shells_init(struct em_shells *s, uint32_t count, struct em_vec low, stru
   s->lowest[0] = (float)low.x;
   s->lowest[1] = (float)low.y;
   s->lowest[2] = (float)low.z;
-  s->slack = (float)(1e-6 * (em_vec_norm(low) + 2.0 * em_vec_norm(extent)));
+  s->slack = (float)em_shells_slack(low, high);
   set_cells(s, extent);
   s->held = em_body_array(cells(s), sizeof *s->held);
   s->cell = em_body_array(count, sizeof *s->cell);

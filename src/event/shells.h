@@ -36,6 +36,10 @@ struct em_shells {
  * distance from `hull` (m) on a normal number, to all its digits? */
 bool em_shells_resolve(struct em_vec low, struct em_vec high, double rounding, double hull);
 
+/* By how much (m) two shells in the box may be further apart than their hulls and still be found
+ * near. */
+double em_shells_slack(struct em_vec low, struct em_vec high);
+
 /* Makes an empty grid for `count` shells in the box low … high, period 0 where it is not periodic.
  * A cell is at least as wide as two shells of hull_most reach. false: no memory. */
 bool em_shells_init(struct em_shells *s, uint32_t count, struct em_vec low, struct em_vec high,

@@ -562,6 +562,39 @@ static void test_both_images(void **unused) {
     }
 }
 
+/* Balls at the far ends of their shells, which are near each other but for the slack of a search in
+ * a wide box, are half a short period apart, and meet on their way through new shells. */
+static void test_far_ends_of_shells(void **unused) {
+  (void)unused;
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [2.05, 600.0, 600.0]; periodic = [true, false, false]; "
+      "};"
+      "gravity = \"none\"; balls = { count = 2; diameter = 1.0; start = \"table\";"
+      "  table = ( [0.5, 3.0, 3.0, 1.0, 0.0, 0.0], [1.52, 3.0, 3.0, -1.0, 0.0, 0.0] ); };" GAS;
+  struct trial t;
+  trial_open(&t, text, "engine.partition=neighbours engine.skin=1");
+  struct em_world *w = t.world;
+  const struct em_shell *s[] = {&w->lists->of[0].shell, &w->lists->of[1].shell};
+  assert_true(w->lists->of[0].list.count == 1);
+  const double skin = (double)s[0]->skin, room = 0.24 * (0.5 * 2.05 - 1.0);
+  assert_true(skin > 0.9 * room);
+  const double apart = 1.0 + 2.0 * skin + 0.27 * room; /* the slack: 0.28 of the room */
+  em_world_free(w);
+  t.balls->position[0].x = 0.5 - 0.7 * skin;
+  t.balls->position[1].x = 0.5 + apart + 0.7 * skin;
+  trial_world(&t);
+  w = t.world;
+  assert_true(w->lists->of[0].list.count == 1);
+  w->body[0].x = 0.5 - 0.97 * skin;
+  w->body[1].x = 0.5 + apart + 0.97 * skin;
+  for (uint32_t i = 0; i < 2; i++)
+    w->partition_kind->moved(w, i);
+  assert_true(w->loop->predict_all(w));
+  trial_run(&t, 0.02);
+  assert_int_equal(em_world_collisions(w), 1);
+  trial_free(&t);
+}
+
 /* Places are small where an edge is short, and balls leave thousands of them between two contacts;
  * lists that keep all predictions grow no longer by that. */
 static void test_short_lists(void **unused) {
@@ -665,6 +698,7 @@ int main(void) {
       cmocka_unit_test(test_too_many_slices),
       cmocka_unit_test(test_few_contacts_in_a_short_period),
       cmocka_unit_test(test_both_images),
+      cmocka_unit_test(test_far_ends_of_shells),
       cmocka_unit_test(test_short_lists),
       cmocka_unit_test(test_single_precision),
   };
