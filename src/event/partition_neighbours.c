@@ -241,10 +241,11 @@ static float hull_of(const struct em_world *w, uint32_t i) {
   return w->places->lists.of[i].shell.skin + (float)w->body[i].radius;
 }
 
-/* All shells near that of ball i go to p->found; false: no memory. */
+/* All shells near that of ball i go to p->found, with room behind them up to a multiple of eight;
+ * false: no memory. */
 static bool search(const struct em_world *w, struct em_places *p, uint32_t i, uint32_t *count) {
   for (;;) {
-    const uint32_t most = (uint32_t)p->found_room;
+    const uint32_t most = (uint32_t)p->found_room / 8 * 8;
     *count = em_shells_find(&p->shells, p->lists.of[i].shell.centre, hull_of(w, i), p->found, most);
     if (*count < most) return true;
     if (!grow((void **)&p->found, sizeof *p->found, &p->found_room, 2 * p->found_room + 64))

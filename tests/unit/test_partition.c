@@ -1,5 +1,6 @@
 /* Partitions: no pair that can touch, and no blade that can be met, is ever left out; and the
  * collisions are the same with all of them and with all lists. */
+#include <malloc.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -595,6 +596,42 @@ static void test_far_ends_of_shells(void **unused) {
   trial_free(&t);
 }
 
+/* A large ball in a short period comes near `small` balls on a dome before it all at once. What
+ * stands behind the candidates that are new to it, up to a multiple of eight, is read as well, and
+ * has to name balls, however many they are. */
+static void meet_dome(size_t small) {
+  static const char text[] =
+      "chamber = { shape = \"box\"; size = [4.0, 20.0, 20.0]; periodic = [true, false, false]; };"
+      "gravity = \"none\"; engine = { partition = \"neighbours\"; skin = 0.2; };"
+      "balls = ( { name = \"large\"; count = 1; diameter = 1.0; },"
+      "          { name = \"small\"; count = 1; diameter = 0.01; } );" GAS;
+  struct trial t;
+  trial_scene(&t, text, "balls.1.count=%zu", small);
+  trial_balls(&t);
+  t.balls->position[0] = em_vec_make(2.0, 10.0, 10.0);
+  t.balls->velocity[0] = em_vec_make(0.0, 1.0, 0.0);
+  for (size_t i = 1; i <= small; i++) {
+    const double h = 0.2 + 0.8 * ((double)i - 0.5) / (double)small, angle = 2.4 * (double)i;
+    const double side = 0.895 * sqrt(1.0 - h * h);
+    t.balls->position[i] =
+        em_vec_make(2.0 + side * cos(angle), 10.48 + 0.895 * h, 10.0 + side * sin(angle));
+    t.balls->velocity[i] = em_vec_make(0.0, 0.0, 0.0);
+  }
+  trial_world(&t);
+  assert_true(t.world->lists->of[0].list.count == 0);
+  trial_run(&t, 0.35);
+  assert_true(t.world->lists->of[0].list.count == small);
+  trial_free(&t);
+}
+
+static void test_behind_new_candidates(void **unused) {
+  (void)unused;
+  mallopt(M_PERTURB, 85); /* memory that was not set names no balls */
+  for (size_t small = 189; small < 200; small++)
+    meet_dome(small);
+  mallopt(M_PERTURB, 0);
+}
+
 /* Places are small where an edge is short, and balls leave thousands of them between two contacts;
  * lists that keep all predictions grow no longer by that. */
 static void test_short_lists(void **unused) {
@@ -699,6 +736,7 @@ int main(void) {
       cmocka_unit_test(test_few_contacts_in_a_short_period),
       cmocka_unit_test(test_both_images),
       cmocka_unit_test(test_far_ends_of_shells),
+      cmocka_unit_test(test_behind_new_candidates),
       cmocka_unit_test(test_short_lists),
       cmocka_unit_test(test_single_precision),
   };
