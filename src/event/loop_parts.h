@@ -193,4 +193,10 @@ static inline bool meets(const struct em_world *w, uint32_t i, uint32_t j) {
   return p && p->partner == j;
 }
 
+/* Are the events of both balls their meeting? Ball j may be to meet a third one at the same time,
+ * which need not know of it: whoever predicts tells nobody. */
+static inline bool meet(const struct em_world *w, uint32_t i, uint32_t j) {
+  return meets(w, i, j) && meets(w, j, i);
+}
+
 #endif

@@ -310,7 +310,7 @@ static enum em_status FN(run)(struct em_world *w, double limit, uint64_t *left,
     if (i == EM_QUEUE_NOBODY || t >= limit) return EM_OK;
     if (stop && (++turns & 255) == 0 && *stop)
       return em_error_set(err, EM_STOPPED, NULL, 0, "stopped on request");
-    if (rival != i && !meets(w, i, rival)) {
+    if (rival != i && !meet(w, i, rival)) {
       uint32_t next;
       if (!FN(untie)(w, t, &next)) return no_memory(err);
       if (next == EM_NOBODY) continue;
