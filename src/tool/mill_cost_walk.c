@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "eventmill/sample.h"
+#include "record/summary.h"
 #include "tool/mill_cost.h"
 
 enum { COUNTS = EM_CLASS_COUNT * EM_TALLY_BINS };
@@ -51,7 +52,7 @@ static double work_of(const struct em_world *world) {
 enum em_status em_mill_cost_walk_begin(struct em_walk *w, const struct em_snapshot *from,
                                        const struct em_scene *scene,
                                        const volatile sig_atomic_t *stop, struct em_error *err) {
-  *w = (struct em_walk){.stop = stop};
+  *w = (struct em_walk){.stop = stop, .falls = em_summary_falls_for_ever(scene)};
   const enum em_status status = resume(&w->world, from, scene, err);
   if (status) return status;
   const size_t n = em_world_count(w->world);
@@ -125,6 +126,7 @@ enum em_status em_mill_cost_walk_on(struct em_walk *w, double time, bool booked,
 }
 
 double em_mill_cost_walk_energy(struct em_walk *w) {
+  if (w->falls) return NAN;
   em_world_state(w->world, w->start + w->done, w->balls);
   const struct em_energy a = w->energy, b = em_world_energy(w->world, w->balls);
   const double work = work_of(w->world);

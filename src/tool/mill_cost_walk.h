@@ -19,6 +19,7 @@ struct em_walk {
   struct em_energy energy;
   const volatile sig_atomic_t *stop; /* as in em_world_run */
   double most;                       /* 1/s: collisions that are too many; 0: none are */
+  bool falls; /* gravity pulls the balls across a periodic boundary: their energy has no meaning */
 };
 
 /* Begins at a state, in the shape that the scene needs: without spins, with other blades.
@@ -34,7 +35,8 @@ void em_mill_cost_walk_end(struct em_walk *walk);
 enum em_status em_mill_cost_walk_on(struct em_walk *walk, double time, bool booked, double *spent,
                                     struct em_error *err);
 
-/* What the books of energy miss, relative to the largest amount in them. */
+/* What the books of energy miss, relative to the largest amount in them; NAN where balls fall for
+ * ever. */
 double em_mill_cost_walk_energy(struct em_walk *walk);
 
 /* The key figures over all blocks, EM_PRECISION_COUNT of them. */

@@ -67,6 +67,17 @@ check "only these" python3 -c 'import json, sys
 d = json.load(open(sys.argv[1]))
 assert not d["effects"] and [r["variant"] for r in d["accuracy"]] == ["polish: 64 bits"]' "$work/only"
 
+cat >"$work/fall.cfg" <<'CFG'
+duration = 1.0;
+chamber = { shape = "box"; size = [0.05, 0.05, 0.05]; periodic = [true, true, true]; };
+balls = { count = 50; diameter = 0.003; density = 7850.0; start = "uniform"; speed = 1.0; };
+contact = { rule = "smooth"; normal = 1.0; };
+CFG
+"$mill" cost "$work/fall.cfg" --steady 0.05 --time 0.05 --rounds 1 --only polish --json -q >"$work/json" 2>"$work/err"
+check "no energy error where balls fall for ever" python3 -c 'import json, sys
+d = json.load(open(sys.argv[1]))
+assert d["energy"] is None and d["accuracy"][0]["energy"] is None, d' "$work/json"
+
 expect 0 "c-accuracy.png: not drawn" "a run that records" "$mill" cost "$gas" --steady 0.05 --time 1 \
   --only frames --rounds 1 --flights 0 -o "$work/c" -q
 check "its cost" grep -q "^frames, 50/s  *[0-9.]" "$work/out"
