@@ -99,6 +99,19 @@ const char *em_gas_no_places(const struct em_scene *scene) {
   return "";
 }
 
+static bool spins(const struct em_scene *scene) {
+  for (size_t k = 0; k < scene->species_count; k++)
+    for (size_t i = 0; scene->species[k].spin && i < scene->species[k].count; i++)
+      if (em_vec_norm2(scene->species[k].spin[i]) > 0.0) return true;
+  return false;
+}
+
+const char *em_gas_no_relative(const struct em_scene *scene) {
+  const char *no_velocities = em_gas_no_velocities(scene);
+  if (*no_velocities) return no_velocities;
+  return spins(scene) ? "the balls spin, which is part of v_t" : "";
+}
+
 bool em_gas_has(const struct em_scene *scene, enum em_gas_quantity q) {
   const struct em_chamber *c = &scene->chamber;
   const bool box = c->shape == EM_SHAPE_BOX;
@@ -225,14 +238,24 @@ static struct em_vec drift_of(const struct em_balls *balls, const struct em_scen
   return p;
 }
 
-/* By the energy at the start. What the centre of mass has of it is no heat, and where it stays, N
- * balls have the freedom of N − 1. balls: any frame. */
+static double spin_energy(const struct em_balls *balls) {
+  double energy = 0.0;
+  for (size_t i = 0; i < balls->count; i++) {
+    const double r = balls->radius[i];
+    energy += 0.2 * balls->mass[i] * r * r * em_vec_norm2(balls->spin[i]);
+  }
+  return energy;
+}
+
+/* By the energy at the start. What spins have of it stays theirs, what the centre of mass has is no
+ * heat, and where it stays, N balls have the freedom of N − 1. balls: any frame. */
 static void take_temperature(struct em_gas *gas, const struct em_balls *balls,
-                             const struct em_scene *scene, double kinetic) {
+                             const struct em_scene *scene, double energy) {
   const struct em_vec drift = drift_of(balls, scene);
   double freedom = 3.0 * (double)balls->count;
   for (int d = 0; d < 3; d++)
     if (is_loop(scene, d)) freedom -= 1.0;
+  const double kinetic = energy - spin_energy(balls);
   gas->kt = (2.0 * kinetic - mass_of(balls) * em_vec_dot(drift, drift)) / freedom;
 }
 
@@ -453,8 +476,9 @@ static void take_wall(struct sampler *s, const struct em_rows *rows, size_t k) {
   if (!drum || c->shape != EM_SHAPE_DRUM) return;
   const double angle = atan2((double)rows->place[k][2], (double)rows->place[k][0]);
   put(s->gas, EM_GAS_DRUM_ANGLE, 0.5 + angle / (2.0 * M_PI));
-  const double y = ((double)rows->place[k][1] - s->margin) / (c->length - 2.0 * s->margin);
-  if (y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, y);
+  const double depth = (double)rows->place[k][1] - s->margin, deep = c->length - 2.0 * s->margin;
+  const double y = depth / deep;
+  if (deep > 0.0 && y >= 0.0 && y <= 1.0) put(s->gas, EM_GAS_DRUM_AXIAL, y);
 }
 
 /* The windows lie where the count of collisions per ball, less that at the begin, modulo `apart`,

@@ -52,7 +52,7 @@ struct em_gas_waves {
 
 struct em_gas {
   double kt;           /* J, from the energy at the start (with gravity: of the frames), less what
-                          the centre of mass has of it where no walls hold it */
+                          spins have of it, and the centre of mass where no walls hold it */
   double kt_frames;    /* J, from the balls' velocities */
   double mass, sigma;  /* kg, and m/s: √(kT/m); NAN for balls of several masses */
   double energy_drift; /* largest |E(t) − E(0)| of the observables, relative to the largest energy;
@@ -73,8 +73,10 @@ const char *em_gas_words(enum em_gas_quantity q);
 enum em_distribution em_gas_law(enum em_gas_quantity q);
 enum em_gas_tie em_gas_tie(enum em_gas_quantity q);
 
-/* Why the laws of velocities, and those of places, need not hold in a scene; "" when they must. */
+/* Why the laws of velocities, those of relative speeds and impact parameters, and those of places,
+ * need not hold in a scene; "" when they must. */
 const char *em_gas_no_velocities(const struct em_scene *scene);
+const char *em_gas_no_relative(const struct em_scene *scene);
 const char *em_gas_no_places(const struct em_scene *scene);
 
 /* Does the chamber have the walls that a quantity is of? */

@@ -206,6 +206,15 @@ static bool is_place(enum em_gas_quantity q) {
   return q == EM_GAS_DRUM_ANGLE || q == EM_GAS_DRUM_AXIAL;
 }
 
+static bool is_relative(enum em_gas_quantity q) {
+  return q == EM_GAS_RELATIVE || q == EM_GAS_IMPACT;
+}
+
+/* Which laws are tested. */
+struct held {
+  bool velocities, relative, places;
+};
+
 static void columns(struct em_report *report) {
   em_report_begin(report, "laws", NULL);
   em_report_column(report, "quantity", "quantity", "");
@@ -220,15 +229,20 @@ static void columns(struct em_report *report) {
   em_report_column(report, "p_ks", "p (KS)", "");
 }
 
-static enum em_status test_all(struct trial *trial, bool velocities, bool places) {
+static bool is_held(const struct held *held, enum em_gas_quantity q) {
+  if (is_place(q)) return held->places;
+  return is_relative(q) ? held->relative : held->velocities;
+}
+
+static enum em_status test_all(struct trial *trial, const struct held *held) {
   columns(trial->report);
   for (int q = 0; q < EM_GAS_COUNT; q++) {
-    if (!(is_place((enum em_gas_quantity)q) ? places : velocities)) continue;
+    if (!is_held(held, (enum em_gas_quantity)q)) continue;
     const enum em_status status = value_row(trial, (enum em_gas_quantity)q);
     if (status != EM_OK) return status;
     if (q == EM_GAS_VZ) isotropy_row(trial);
   }
-  for (int w = 0; places && w < 3; w++)
+  for (int w = 0; held->places && w < 3; w++)
     wave_row(trial, &trial->gas->waves[w]);
   return EM_OK;
 }
@@ -354,13 +368,20 @@ static int run_with(const struct em_run_file *run, const struct em_millpost_opti
   struct em_error err = {.code = EM_OK};
   const struct em_scene *scene = em_run_file_scene(run);
   const char *no_velocities = em_gas_no_velocities(scene), *no_places = em_gas_no_places(scene);
-  const bool velocities = o->anyway || !*no_velocities, places = o->anyway || !*no_places;
+  const char *no_relative = em_gas_no_relative(scene);
+  const struct held held = {.velocities = o->anyway || !*no_velocities,
+                            .relative = o->anyway || !*no_relative,
+                            .places = o->anyway || !*no_places};
   struct em_report *report = em_report_new("verify");
   em_report_fact_text(report, "run", "run", "%s", o->run[0]);
   if (*no_velocities)
     em_report_note(report, "The laws of velocities need not hold here: %s.", no_velocities);
+  else if (*no_relative)
+    em_report_note(report,
+                   "The laws of relative speeds and impact parameters need not hold here: %s.",
+                   no_relative);
   if (*no_places) em_report_note(report, "The laws of places need not hold here: %s.", no_places);
-  if (!velocities && !places) {
+  if (!held.velocities && !held.places) {
     em_report_fact_text(report, "verdict", "verdict", "no law applies");
     return em_millpost_print(report, o, EM_MILLPOST_DONE);
   }
@@ -376,8 +397,8 @@ static int run_with(const struct em_run_file *run, const struct em_millpost_opti
   int code = EM_MILLPOST_DONE;
   if (status == EM_OK) {
     facts(report, gas);
-    status = test_all(&trial, velocities, places);
-    if (status == EM_OK) code = conclude(&trial, velocities);
+    status = test_all(&trial, &held);
+    if (status == EM_OK) code = conclude(&trial, held.velocities);
     if (status == EM_OK && o->out) status = draw_all(run, gas, o->out, &err);
     em_gas_free(gas);
   }

@@ -427,7 +427,7 @@ verdict() { # VERDICT CODE RUN ...: exit code 0 says that the laws hold
 $code"
 }
 ball=$work/ball.h5 drop=$work/drop.h5 loop=$work/loop.h5 cradle=$work/cradle.h5
-free=$work/free.h5 drift=$work/drift.h5 no_balls=$work/no-balls.h5
+free=$work/free.h5 drift=$work/drift.h5 no_balls=$work/no-balls.h5 spin=$work/spin.h5
 handful=$work/handful.h5 slit=$work/slit.h5
 cat >"$work/loop.cfg" <<'CFG'
 duration = 2.0;
@@ -453,9 +453,12 @@ import h5py, numpy as np
 balls = h5py.File(sys.argv[1], "r")["particles/balls"]
 r, v = (balls[k + "/value"][-1] for k in ("position", "velocity"))
 np.savetxt(sys.argv[2], np.hstack([np.mod(r, 0.05), v + [1.0, 0.0, 0.5]]), fmt="%.17g")
+np.savetxt(sys.argv[2] + ".spin", np.hstack([np.mod(r, 0.05), v, 400.0 * v]), fmt="%.17g")
 PY
   run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 balls.start=table \
-    balls.table="$work/drift.txt" duration=8 -o "$drift" >"$work/out"
+    balls.table="$work/drift.txt" duration=8 -o "$drift" >"$work/out" &&
+  run "$work/loop.cfg" gravity='"none"' balls.count=50 balls.diameter=0.006 balls.start=table \
+    balls.table="$work/drift.txt.spin" duration=8 record.collisions=true -o "$spin" >"$work/out"
 is "runs that keep their energy" 0 $?
 kept='assert result["energy_drift"] < 1e-12, result'
 check "a ball that bounces from rest keeps its energy" verdict undecided "$kept" "$ball" --from 0
@@ -468,6 +471,15 @@ assert abs(result["kt"] / result["kt_frames"] - 1) < 1e-9, result
 assert abs(speed["fitted"] / speed["predicted"] - 1) < 1e-6, speed'
 check "without walls, the centre of mass has no heat" verdict holds "$heat" "$free"
 check "nor has a gas that drifts" verdict holds "$heat" "$drift"
+spinning="$heat"'
+laws = [law["quantity"] for law in result["laws"]]
+assert not any("relative" in q or "impact parameter" in q for q in laws), laws
+assert any("relative speeds and impact parameters need not hold" in n for n in result["notes"])'
+check "nor have spins that smooth balls keep" verdict holds "$spinning" "$spin"
+run geometries/ideal-gas.cfg chamber.length=0.034 balls.count=250 balls.diameter=0.01 duration=2 \
+  -o "$work/flat.h5" >"$work/out"
+check "a flat drum has no places beyond the layers at its ends" verdict holds '
+assert any("along the axis; 0 values" in n for n in result["notes"]), result["notes"]' "$work/flat.h5"
 check "30 balls tell no law, however long" verdict undecided '
 assert result["verdict"].endswith("too few balls") and result["tests"] == 0, result' "$handful"
 check "60 tell as many values as their law is that of many" verdict holds '
