@@ -93,17 +93,12 @@ static enum em_status from_frames(struct em_field *field, const struct em_run_fi
 
 /* ---------------------------------------------------------------- collision table */
 
-/* Below this share of a contact's energy, what it loses is rounding. */
-static const double ROUNDING = 1e-12;
-
 static double of_row(enum em_field_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   if (of == EM_FIELD_HITS) return 1.0;
   if (of == EM_FIELD_VN) return (double)rows->vn[k];
-  const double energy = em_gather_row_energy(rows, k, balls);
-  if (of != EM_FIELD_LOST) return energy;
-  const double lost = (double)rows->lost[k];
-  return fabs(lost) > ROUNDING * energy ? lost : 0.0;
+  return of == EM_FIELD_LOST ? em_gather_row_lost(rows, k, balls)
+                             : em_gather_row_energy(rows, k, balls);
 }
 
 static void add_rows(struct em_field *field, const struct em_rows *rows, unsigned classes,

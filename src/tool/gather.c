@@ -153,7 +153,7 @@ static unsigned columns_of(enum em_gather_of of) {
   case EM_GATHER_VT:
     return common | EM_COLUMN_VT;
   case EM_GATHER_LOST:
-    return common | EM_COLUMN_LOST;
+    return common | EM_COLUMN_LOST | EM_COLUMN_VN | EM_COLUMN_BALL | EM_COLUMN_PARTNER;
   case EM_GATHER_ENERGY:
     return common | EM_COLUMN_VN | EM_COLUMN_BALL | EM_COLUMN_PARTNER;
   default:
@@ -171,6 +171,15 @@ double em_gather_row_energy(const struct em_rows *rows, size_t k, const struct e
   return 0.5 * m * (double)rows->vn[k] * (double)rows->vn[k];
 }
 
+/* Below this share of a contact's energy, what it loses is rounding. */
+static const double ROUNDING = 1e-12;
+
+double em_gather_row_lost(const struct em_rows *rows, size_t k, const struct em_balls *balls) {
+  const double lost = (double)rows->lost[k], energy = em_gather_row_energy(rows, k, balls);
+  if (isnan(energy)) return NAN;
+  return fabs(lost) > ROUNDING * energy ? lost : 0.0;
+}
+
 static double of_row(enum em_gather_of of, const struct em_rows *rows, size_t k,
                      const struct em_balls *balls) {
   switch (of) {
@@ -179,7 +188,7 @@ static double of_row(enum em_gather_of of, const struct em_rows *rows, size_t k,
   case EM_GATHER_VT:
     return (double)rows->vt[k];
   case EM_GATHER_LOST:
-    return (double)rows->lost[k];
+    return em_gather_row_lost(rows, k, balls);
   case EM_GATHER_RELATIVE:
     return hypot((double)rows->vn[k], (double)rows->vt[k]);
   case EM_GATHER_IMPACT: {

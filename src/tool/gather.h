@@ -64,6 +64,8 @@ struct em_window em_gather_window(const struct em_gather *gather, const struct e
 
 /* ½ m v_n² of row k, with the reduced mass where two balls meet; NAN: there is no such ball. */
 double em_gather_row_energy(const struct em_rows *rows, size_t k, const struct em_balls *balls);
+/* What row k dissipates (J), 0 where it is but rounding of that energy; NAN: no such ball. */
+double em_gather_row_lost(const struct em_rows *rows, size_t k, const struct em_balls *balls);
 
 /* Figures of class `row` (or EM_GATHER_ALL) with confidence intervals at `level`. */
 enum em_gather_figure {

@@ -353,13 +353,14 @@ static void notes(struct em_report *report, const struct input *in) {
   if (!(em_histogram_weight(h) > 0.0))
     em_report_note(report, "%s: nothing was counted between %.9g s and %.9g s.", in->label,
                    in->gather->from, in->gather->to);
-  const double beyond = h->below + h->above;
-  if (beyond > 0.0)
-    em_report_note(report,
-                   "%s: %.0f of %.0f values lie beyond %s%g %s, where the bins end; - stands for "
-                   "figures that depend on how far.",
-                   in->label, beyond, em_histogram_weight(h), h->mirrored ? "±" : "",
-                   h->edge[h->bins], unit);
+  static const char *const how_far = "- stands for figures that depend on how far";
+  const double all = em_histogram_weight(h), begin = h->edge[0], end = h->edge[h->bins];
+  if (h->below > 0.0)
+    em_report_note(report, "%s: %.0f of %.0f values lie below %g %s, where the bins begin; %s.",
+                   in->label, h->below, all, begin, unit, how_far);
+  if (h->above > 0.0)
+    em_report_note(report, "%s: %.0f of %.0f values lie beyond %g %s, where the bins end; %s.",
+                   in->label, h->above, all, end, unit, how_far);
 }
 
 static int run_with(struct input *in, const struct em_millpost_options *o, enum em_gather_of of) {

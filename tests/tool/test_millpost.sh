@@ -494,7 +494,9 @@ energy = [i for i in result["indicators"] if i["indicator"].strip() == "kinetic 
 assert energy["found"] == "yes", energy
 ' steady "$gas" && agrees "$gas" '
 assert all(not t["value"] for t in result["tubes"]), result["tubes"]
-' map "$gas" --cells sectors --of lost; }
+' map "$gas" --cells sectors --of lost && agrees "$gas" '
+assert all(row["highest"] == row["q25"] == 0 for row in result["how_hard"]), result["how_hard"]
+assert not result["notes"], result["notes"]' hist "$gas" --of lost; }
 check "which loses nothing, and not what rounding leaves" nothing
 check "five balls tell no law" verdict undecided 'assert result["tests"] == 0' "$cradle" --from 0
 check "verify names the laws that it cannot test" verdict holds '
@@ -506,6 +508,11 @@ tamper 'x = v[...]; x[:, :, 0] *= 1.04; v[...] = x'
 expect 3 "" "verify catches one component that is too fast" post verify "$work/wrong.h5"
 tamper 'x = e[...]; x[:, 0] += 0.2; e[...] = x / np.linalg.norm(x, axis=1)[:, None]'
 expect 3 "" "verify catches impact points pulled to one side" post verify "$work/wrong.h5"
+tamper 'd = h["eventmill/collisions/dissipated"]; x = d[...]; x[:100] = -1.0; d[...] = x'
+gains() { agrees "$gas" '
+assert any(": 100 of " in n and "lie below 0 J" in n for n in result["notes"]), result["notes"]
+' hist "$work/wrong.h5" --of lost --from 0; }
+check "hist tells on which side of the bins contacts lie that gain energy" gains
 
 /usr/bin/python3 -c '
 import random
