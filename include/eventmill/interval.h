@@ -48,6 +48,11 @@ enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
                                                    void *self),
                                   void *self, double level);
 
+/* The quantile p of the sum of blocks of successive counts, likewise; neighbouring blocks are
+ * joined where they have few values. Errors: EM_MEMORY. */
+enum em_status em_interval_quantile(struct em_interval *out, size_t blocks,
+                                    struct em_histogram *const *block, double p, double level);
+
 /* Probability that two figures differ by as much as these do when they are equal in truth
  * (Welch's test, two-sided); NAN when an error is unknown. */
 double em_interval_difference(const struct em_interval *a, const struct em_interval *b);

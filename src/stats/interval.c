@@ -177,6 +177,50 @@ enum em_status em_interval_figure(struct em_interval *out, size_t blocks,
   return EM_OK;
 }
 
+/* ---------------------------------------------------------------- quantiles */
+
+/* The jackknife of a quantile is wrong where a block has few values: neighbours are joined until
+ * they have so many on average, or so few blocks are left (docs/statistics.md). */
+enum { LEAST_VALUES = 30, LEAST_BLOCKS = 16 };
+
+static size_t neighbours(size_t blocks, struct em_histogram *const *block) {
+  double values = 0.0;
+  for (size_t b = 0; b < blocks; b++)
+    values += em_histogram_weight(block[b]);
+  size_t each = 1;
+  while (blocks / (2 * each) >= LEAST_BLOCKS &&
+         values * (double)each < LEAST_VALUES * (double)blocks)
+    each *= 2;
+  return each;
+}
+
+static double quantile(const struct em_histogram *h, double weight, void *self) {
+  (void)weight;
+  return em_histogram_quantile(h, *(const double *)self);
+}
+
+enum em_status em_interval_quantile(struct em_interval *out, size_t blocks,
+                                    struct em_histogram *const *block, double p, double level) {
+  *out = unknown(NAN);
+  if (blocks == 0) return EM_OK;
+  const size_t each = neighbours(blocks, block), count = (blocks + each - 1) / each;
+  struct em_histogram **joined = calloc(count, sizeof *joined);
+  double *weight = calloc(count, sizeof *weight);
+  bool good = joined && weight;
+  for (size_t k = 0; good && k < count; k++)
+    good = (joined[k] = em_histogram_new_like(block[0])) != NULL;
+  for (size_t b = 0; good && b < blocks; b++)
+    em_histogram_merge(joined[b / each], block[b], 1.0);
+  enum em_status status = EM_MEMORY;
+  if (good) status = em_interval_figure(out, count, joined, weight, quantile, &p, level);
+  out->inefficiency *= (double)each;
+  for (size_t k = 0; joined && k < count; k++)
+    em_histogram_free(joined[k]);
+  free(joined);
+  free(weight);
+  return status;
+}
+
 double em_interval_difference(const struct em_interval *a, const struct em_interval *b) {
   const double va = a->error * a->error, vb = b->error * b->error, v = va + vb;
   if (!isfinite(v) || !(a->freedom >= 1.0) || !(b->freedom >= 1.0)) return NAN;

@@ -111,12 +111,6 @@ double em_precision_time(const struct em_precision *p, size_t blocks) {
   return sum;
 }
 
-static double median(const struct em_histogram *h, double weight, void *self) {
-  (void)weight;
-  (void)self;
-  return em_histogram_quantile(h, 0.5);
-}
-
 static double above(const struct em_histogram *h, double x) {
   const double all = em_histogram_weight(h);
   return all > 0.0 ? all * (1.0 - em_histogram_share(h, x)) : 0.0;
@@ -138,7 +132,7 @@ struct em_interval em_precision_figure(const struct em_precision *p, size_t bloc
     if (out.half < one_count) out.half = one_count; /* NAN stays */
     return out;
   }
-  if (em_interval_figure(&out, blocks, p->vn, p->time, median, NULL, level))
+  if (em_interval_quantile(&out, blocks, p->vn, 0.5, level))
     out = (struct em_interval){NAN, NAN, NAN, 0.0, 1.0};
   return out;
 }

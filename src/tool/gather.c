@@ -388,8 +388,8 @@ static double evaluate(const struct em_histogram *h, double weight, void *self) 
   switch (asked->figure) {
   case EM_GATHER_RATE:
     return em_histogram_weight(h) / weight;
-  case EM_GATHER_QUANTILE:
-    return em_histogram_quantile(h, asked->parameter);
+  case EM_GATHER_QUANTILE: /* em_interval_quantile */
+    break;
   case EM_GATHER_MODE:
     return em_histogram_mode(h, 0.0);
   case EM_GATHER_MEAN:
@@ -428,7 +428,9 @@ struct em_interval em_gather_interval(const struct em_gather *gather, int row,
                                       double level) {
   struct asked asked = {figure, parameter};
   struct em_interval out = {NAN, NAN, NAN, 0.0, 1.0};
-  if (gather->block[row])
+  if (gather->block[row] && figure == EM_GATHER_QUANTILE)
+    em_interval_quantile(&out, gather->blocks, gather->block[row], parameter, level);
+  else if (gather->block[row])
     em_interval_figure(&out, gather->blocks, gather->block[row], gather->duration, evaluate, &asked,
                        level);
   out.value = refine(gather, row, figure, out.value);
