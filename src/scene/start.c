@@ -138,15 +138,19 @@ static bool same_region(const struct em_species *a, const struct em_species *b) 
          memcmp(&a->high, &b->high, sizeof a->high) == 0;
 }
 
+static bool is_on_lattice(const struct em_species *s) {
+  return s->start == EM_START_LATTICE && s->count > 0;
+}
+
 /* One lattice for all species that share a region. */
 static enum em_status place_lattices(struct maker *m) {
   size_t n = m->scene->species_count;
   for (size_t s = 0; s < n; ++s) {
     size_t count = 0;
-    bool first = m->group[s].species->start == EM_START_LATTICE;
+    bool first = is_on_lattice(m->group[s].species);
     for (size_t t = 0; t < n && first; ++t) {
       const struct em_species *other = m->group[t].species;
-      if (other->start != EM_START_LATTICE || !same_region(m->group[s].species, other)) continue;
+      if (!is_on_lattice(other) || !same_region(m->group[s].species, other)) continue;
       if (t < s) first = false;
       m->picked[count++] = m->group[t];
     }

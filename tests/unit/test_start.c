@@ -427,6 +427,28 @@ static void errors_where_there_is_no_room(void **state) {
           "balls.0: ball 0 at (0, 0.06, 0.06) overlaps a wall, a blade");
 }
 
+/* They take no part, however large: neither in the lattice's width nor in its order. */
+static void species_without_balls(void **state) {
+  (void)state;
+  static const char *const none[] = {"{ count = 0; diameter = 0.3; start = \"lattice\"; }",
+                                     "{ count = 0; diameter = 0.3; }"};
+  static const char some[] = "{ count = 1000; diameter = 0.05; start = \"lattice\"; }";
+  const char *const box = "chamber = { shape = \"box\"; size = [1, 1, 1]; };";
+  char text[400];
+  snprintf(text, sizeof text, "%s balls = (%s);", box, some);
+  struct started alone = start(text);
+  for (int k = 0; k < 4; ++k) {
+    const char *empty = none[k / 2];
+    snprintf(text, sizeof text, "%s balls = (%s, %s);", box, k & 1 ? empty : some,
+             k & 1 ? some : empty);
+    struct started s = start(text);
+    assert_int_equal(s.balls->count, 1000);
+    assert_memory_equal(s.balls->position, alone.balls->position, 1000 * sizeof *s.balls->position);
+    end(&s);
+  }
+  end(&alone);
+}
+
 static void no_balls(void **state) {
   (void)state;
   struct started s = start(DRUM "balls = ();");
@@ -453,6 +475,7 @@ int main(void) {
       cmocka_unit_test(the_last_frame_of_a_run),
       cmocka_unit_test(placing_stops_on_request),
       cmocka_unit_test(errors_where_there_is_no_room),
+      cmocka_unit_test(species_without_balls),
       cmocka_unit_test(no_balls),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
