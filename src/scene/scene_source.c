@@ -124,7 +124,8 @@ static enum em_status pass_string(struct cursor *c) {
   return status == EM_OK ? pass(c, k + 1) : status;
 }
 
-/* Copies a number; one that is a plain integer beyond 32 bits gets an L. */
+/* Copies a number; one that is a plain integer beyond 32 bits gets an L, beyond 64 bits it becomes
+ * a real. */
 static enum em_status pass_number(struct cursor *c) {
   const char *at = c->at;
   bool hex = at[0] == '0' && (at[1] == 'x' || at[1] == 'X');
@@ -132,7 +133,7 @@ static enum em_status pass_number(struct cursor *c) {
   bool whole = at[n] != '.' && !isalpha((unsigned char)at[n]);
   errno = 0;
   unsigned long long value = strtoull(at, NULL, hex ? 16 : 10);
-  bool wide = value > INT_MAX || errno == ERANGE;
+  bool wide = value > INT_MAX, wider = !hex && (value > LLONG_MAX || errno == ERANGE);
   if (!whole) {
     n += strspn(at + n, "0123456789.");
     if (at[n] == 'e' || at[n] == 'E') n += 1u + (size_t)(at[n + 1] == '+' || at[n + 1] == '-');
@@ -140,7 +141,8 @@ static enum em_status pass_number(struct cursor *c) {
       ++n;
   }
   enum em_status status = pass(c, n);
-  return status == EM_OK && whole && wide ? put(c, "L", 1) : status;
+  if (status != EM_OK || !whole || !wide) return status;
+  return wider ? put(c, ".0", 2) : put(c, "L", 1);
 }
 
 /* Copies a bracket; square ones become round where they match. */

@@ -152,6 +152,28 @@ static void forms_that_values_may_take(void **state) {
   em_scene_free(s);
 }
 
+/* Integers without a point, where a real is meant. */
+static void whole_numbers_of_any_length(void **state) {
+  (void)state;
+  struct em_scene *s;
+  struct em_error err = {0};
+  static const struct {
+    const char *text;
+    double value;
+  } numbers[] = {{"2147483648", 0x1p31},
+                 {"9223372036854775807", 0x1p63},
+                 {"9223372036854775808", 0x1p63},
+                 {"18446744073709551616", 0x1p64},
+                 {"100000000000000000000", 1e20}};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; ++k) {
+    char text[200];
+    snprintf(text, sizeof text, "duration = %s; " DRUM BALLS, numbers[k].text);
+    if (em_scene_parse(&s, text, "t.cfg", 0, NULL, &err) != EM_OK) fail_msg("%s", err.text);
+    assert_true(s->duration == numbers[k].value);
+    em_scene_free(s);
+  }
+}
+
 /* ---- files */
 
 static void write_file(const char *path, const char *text) {
@@ -534,6 +556,7 @@ int main(void) {
       cmocka_unit_test(an_axis_is_made_a_unit_vector),
       cmocka_unit_test(contacts_by_class),
       cmocka_unit_test(forms_that_values_may_take),
+      cmocka_unit_test(whole_numbers_of_any_length),
       cmocka_unit_test_setup_teardown(includes_and_tables_beside_the_scene, make_directory,
                                       remove_directory),
       cmocka_unit_test(printed_scenes_read_back_to_the_same_bits),
