@@ -1,5 +1,6 @@
 /* Fills rotors with their blades, species of balls, and contact laws. */
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,9 +166,17 @@ static void fill_one_species(struct em_scene_report *report, const config_settin
   if (s->from[0] && s->start == EM_START_RUN) fill_from(report, group, s);
 }
 
+/* Species that the balls' numbers of their species, of 16 bits, can tell apart. */
+enum { SPECIES_MOST = UINT16_MAX + 1 };
+
 void em_scene_fill_species(struct em_scene_report *report, struct em_scene *scene) {
   const config_setting_t *part = config_lookup(report->tree, "balls");
   int count = part_count(report, part);
+  if (count > SPECIES_MOST) {
+    em_scene_report_at(report, part, "found a list of %d, expected at most %d species", count,
+                       SPECIES_MOST);
+    count = 0;
+  }
   if (!part)
     em_scene_report_at(report, config_root_setting(report->tree),
                        "\"balls\" is missing, expected a group { count; diameter; ... }");

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -354,6 +355,22 @@ static void too_many_faults(void **state) {
   assert_int_equal(lines - 1 + more, 202);
 }
 
+/* A ball's number of its species has 16 bits. */
+static void species_beyond_all_numbers(void **state) {
+  (void)state;
+  enum { ONE_TOO_MANY = 65537 };
+  static const char one[] = "{ count = 0; diameter = 0.005; },";
+  char *text = malloc(sizeof DRUM + 32 + ONE_TOO_MANY * sizeof one), *at = text;
+  assert_non_null(text);
+  at = stpcpy(at, DRUM "balls = (");
+  for (int k = 0; k < ONE_TOO_MANY; ++k)
+    at = stpcpy(at, one);
+  strcpy(at - 1, ");");
+  check(&(struct fault){
+      text, "bad.cfg:2: error: balls: found a list of 65537, expected at most 65536 species"});
+  free(text);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(syntax),
@@ -365,6 +382,7 @@ int main(void) {
       cmocka_unit_test(possible_machines),
       cmocka_unit_test(all_faults_at_once),
       cmocka_unit_test(too_many_faults),
+      cmocka_unit_test(species_beyond_all_numbers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
