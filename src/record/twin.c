@@ -414,6 +414,18 @@ static int keep_old(const struct em_twin *twin) {
   return -1;
 }
 
+/* Forces the names in the file's folder to the disk; false: that cannot be done here. Until then
+ * PATH may come back after a crash of the machine as the old file, which must be whole. */
+static bool settle_names(const struct em_twin *twin) {
+  const char *slash = strrchr(twin->path, '/');
+  char *folder = slash ? strndup(twin->path, (size_t)(slash - twin->path) + 1) : strdup(".");
+  const int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+  const bool good = fd >= 0 && fsync(fd) == 0;
+  if (fd >= 0) close(fd);
+  free(folder);
+  return good;
+}
+
 /* Makes `old` (the former visible file, or -1) the hidden copy, equal to the visible one. */
 static int renew_hidden(struct em_twin *twin, int old) {
   int error = 0;
@@ -435,7 +447,7 @@ enum em_status em_twin_publish(struct em_twin *twin, bool last, struct em_error 
   if (!twin->error && fdatasync(twin->fd) != 0 && errno != EINVAL && errno != EROFS)
     twin->error = errno;
   if (twin->error) return cannot(twin, twin->error, err);
-  const int old = last ? -1 : keep_old(twin);
+  int old = last ? -1 : keep_old(twin);
   if (rename(twin->next, twin->path) != 0) {
     twin->error = errno;
     if (old >= 0) close(old);
@@ -443,6 +455,11 @@ enum em_status em_twin_publish(struct em_twin *twin, bool last, struct em_error 
     return cannot(twin, twin->error, err);
   }
   twin->published = true;
+  if (!settle_names(twin) && old >= 0) {
+    close(old);
+    (void)unlink(twin->spare);
+    old = -1;
+  }
   if (last) {
     close(twin->fd);
     twin->fd = -1;

@@ -2,7 +2,8 @@
  *
  * HDF5 writes into the hidden copy PATH.next alone. em_twin_publish, called when HDF5 has closed
  * its file, makes that copy appear as PATH in one atomic rename; the former PATH becomes the hidden
- * copy and gets those pages that differ. Whenever the program dies, PATH is a closed HDF5 file.
+ * copy and gets those pages that differ, but not before the rename is on the disk. Whenever the
+ * program or the machine dies, PATH is a closed HDF5 file.
  *
  * One process at a time works on PATH: it holds a lock on PATH.lock, a file of no content that it
  * removes at the end. When PATH is a symbolic link, all this happens beside the file that it leads
