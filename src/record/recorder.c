@@ -17,6 +17,8 @@ enum { CHUNK = 10000 };
 static const double CHECKPOINT_SHARE = 0.1;
 /* Whoever asks for checkpoints closer than this (s) wants one at every look. */
 static const double AT_EVERY_LOOK = 1e-3;
+/* Relative difference of two roundings of one time: of a rate, of k / rate, of a duration. */
+static const double SAME_TIME = 1e-15;
 
 _Static_assert((int)EM_PRECISION_PER_OCTAVE == (int)EM_TALLY_PER_OCTAVE &&
                    (int)EM_PRECISION_LOWEST == (int)EM_TALLY_LOWEST &&
@@ -215,9 +217,25 @@ static enum em_status take_samples(struct recorder *r, double time, struct em_er
   return status;
 }
 
+bool em_recorder_is_within(double time, double duration) {
+  return time <= duration * (1.0 + SAME_TIME);
+}
+
+/* The duration, or a sampling time that only rounding has put beyond it: 21 / 2.8 is not 7.5. */
+static double end_of(const struct recorder *r) {
+  const struct em_recording *record = &r->scene->record;
+  const double times[] = {time_of(r->frames, record->frames),
+                          time_of(r->samples, record->observables),
+                          time_of(r->blocks + 1, record->histograms)};
+  double end = r->scene->duration;
+  for (size_t k = 0; k < sizeof times / sizeof *times; k++)
+    if (em_recorder_is_within(times[k], r->scene->duration)) end = fmax(end, times[k]);
+  return end;
+}
+
 static double next_time(const struct recorder *r) {
   const struct em_recording *record = &r->scene->record;
-  double next = fmin(r->scene->duration, time_of(r->frames, record->frames));
+  double next = fmin(end_of(r), time_of(r->frames, record->frames));
   next = fmin(next, time_of(r->samples, record->observables));
   return fmin(next, time_of(r->blocks + 1, record->histograms));
 }
@@ -229,7 +247,7 @@ static enum em_status run(struct recorder *r, struct em_error *err) {
     time = next_time(r);
     status = advance(r, time, err);
     if (!status) status = take_samples(r, time, err);
-  } while (!status && time < r->scene->duration && !r->enough);
+  } while (!status && time < end_of(r) && !r->enough);
   return status;
 }
 

@@ -38,6 +38,9 @@ enum em_status em_recorder_add_precision(struct recorder *r, double start, doubl
 /* Are all targets reached? What is known of them goes to options->found. */
 bool em_recorder_is_enough(const struct recorder *r);
 
+/* Does the time (s) belong to a run of that duration (s), rounding of either put aside? */
+bool em_recorder_is_within(double time, double duration);
+
 /* Goes on with the run that is stored at the path. Errors: EM_INPUT (of another scene, or beyond
  * the duration already), EM_FORMAT, EM_FILE, EM_MEMORY, and those of em_world_resume. */
 enum em_status em_recorder_resume(struct recorder *r, struct em_error *err);

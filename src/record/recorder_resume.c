@@ -147,7 +147,7 @@ static enum em_status go_on(struct recorder *r, const struct em_run_file *file,
   r->state = *em_run_file_state(file);
   enum em_status status = take_scene(r, file, err);
   if (status) return status;
-  if (r->scene->duration < r->state.time)
+  if (!em_recorder_is_within(r->state.time, r->scene->duration))
     return em_error_set(err, EM_INPUT, em_run_file_path(file), 0,
                         "has gone to %g s already, beyond the duration of %g s", r->state.time,
                         r->scene->duration);

@@ -1,4 +1,5 @@
 /* The recorder as another program calls it: beside its file, with a scene of its own. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -118,6 +119,40 @@ static void a_run_that_cannot_begin_says_so(void **state) {
   em_scene_free(scene);
 }
 
+/* A rate may not be a double, nor k / rate: 21 / 2.8 is more than 7.5, 42 / 2.8 more than 15, by
+ * their last bit. What is due at the end is there, and a longer run goes on from it. */
+static void what_is_due_at_the_end_is_recorded(void **state) {
+  (void)state;
+  static const char text[] =
+      "duration = 7.5; gravity = \"none\"; chamber = { shape = \"box\"; size = [1, 1, 1]; };\n"
+      "balls = { count = 5; diameter = 0.05; };\n"
+      "record = { frames = 2.8; observables = 5.6; histograms = 2.8; };";
+  uint64_t digest[2] = {0};
+  struct em_error err = {0};
+  for (int k = 0; k < 3; k++) {
+    const char *path = digest_path(k == 0 ? "at-once.h5" : "in-two.h5"), *longer = "duration=15";
+    struct em_scene *scene = digest_scene(text, k != 1, &longer);
+    struct em_summary summary;
+    record(scene, &(struct em_recorder_options){.path = path, .resume = true}, &summary);
+    assert_int_equal(summary.end, EM_END_DONE);
+    assert_true(fabs(summary.simulated_time - scene->duration) < 1e-14);
+    struct em_run_file *file = NULL;
+    struct em_series *speed = NULL;
+    assert_int_equal(em_run_file_open(&file, path, &err), EM_OK);
+    assert_int_equal(em_run_file_series(file, "mean_speed", &speed, &err), EM_OK);
+    assert_int_equal(em_run_file_frame_count(file), k == 1 ? 22 : 43);
+    assert_int_equal(em_run_file_block_count(file), k == 1 ? 21 : 42);
+    assert_int_equal(speed->count, k == 1 ? 43 : 85);
+    em_run_file_series_free(speed);
+    em_run_file_close(file);
+    record(scene, &(struct em_recorder_options){.path = path, .resume = true}, &summary);
+    assert_int_equal(summary.end, EM_END_DONE);
+    em_scene_free(scene);
+    assert_int_equal(digest_run(path, &digest[k > 0], &err), EM_OK);
+  }
+  assert_true(digest[0] == digest[1]);
+}
+
 static int remove_folder(void **state) {
   (void)state;
   digest_folder_remove();
@@ -131,6 +166,7 @@ int main(void) {
       cmocka_unit_test(blades_begin_where_they_stood),
       cmocka_unit_test(what_ended_a_run_is_told_before_a_full_disk),
       cmocka_unit_test(a_run_that_cannot_begin_says_so),
+      cmocka_unit_test(what_is_due_at_the_end_is_recorded),
   };
   return cmocka_run_group_tests(tests, NULL, remove_folder);
 }
