@@ -73,3 +73,20 @@ void em_output_name(char *text, size_t size, const char *path, const char *tag,
   const char *own = em_output_ending(path);
   snprintf(text, size, "%.*s-%s%s", (int)(own - path), path, tag, ending ? ending : own);
 }
+
+char *em_output_xml(const char *text) {
+  char *result = malloc(6 * strlen(text) + 1), *to = result;
+  for (; result && *text; text++) {
+    const char *entity = *text == '&'   ? "&amp;"
+                         : *text == '<' ? "&lt;"
+                         : *text == '>' ? "&gt;"
+                         : *text == '"' ? "&quot;"
+                                        : NULL;
+    if (entity)
+      to = stpcpy(to, entity);
+    else
+      *to++ = *text;
+  }
+  if (result) *to = '\0';
+  return result;
+}

@@ -36,4 +36,7 @@ const char *em_output_ending(const char *path);
  * replaces ".png". The text is cut to its size. */
 void em_output_name(char *text, size_t size, const char *path, const char *tag, const char *ending);
 
+/* The text with what XML reserves written as entities; freed by the caller. NULL: no memory. */
+char *em_output_xml(const char *text);
+
 #endif

@@ -16,24 +16,6 @@ struct sidecar {
   char *data; /* the run file's name as the sidecar calls it, escaped */
 };
 
-/* The text with what XML reserves written as entities; freed by the caller. */
-static char *escape(const char *text) {
-  char *result = malloc(6 * strlen(text) + 1), *to = result;
-  for (; result && *text; text++) {
-    const char *entity = *text == '&'   ? "&amp;"
-                         : *text == '<' ? "&lt;"
-                         : *text == '>' ? "&gt;"
-                         : *text == '"' ? "&quot;"
-                                        : NULL;
-    if (entity)
-      to = stpcpy(to, entity);
-    else
-      *to++ = *text;
-  }
-  if (result) *to = '\0';
-  return result;
-}
-
 static size_t folder_length(const char *path) {
   const char *slash = strrchr(path, '/');
   return slash ? (size_t)(slash - path) + 1 : 0;
@@ -42,9 +24,9 @@ static size_t folder_length(const char *path) {
 static char *data_name(const char *run, const char *sidecar, enum em_xdmf_form form) {
   const size_t length = folder_length(run);
   const bool beside = length == folder_length(sidecar) && strncmp(run, sidecar, length) == 0;
-  if (form == EM_XDMF_HYPERSLAB && beside) return escape(run + length);
+  if (form == EM_XDMF_HYPERSLAB && beside) return em_output_xml(run + length);
   char *whole = realpath(run, NULL);
-  char *name = whole ? escape(whole) : NULL;
+  char *name = whole ? em_output_xml(whole) : NULL;
   free(whole);
   return name;
 }

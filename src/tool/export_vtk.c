@@ -1,5 +1,6 @@
 /* Frames as VTK PolyData: XML files with raw appended data, and a collection with their times. */
 #include <endian.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "record/output.h"
@@ -90,21 +91,30 @@ static void write_piece(FILE *out, const struct em_balls *balls, double time) {
   fprintf(out, "\n</AppendedData>\n</VTKFile>\n");
 }
 
+/* Frame k's line of the collection, whose files lie beside it. */
+static enum em_status put_member(FILE *out, const struct em_export *job, size_t k,
+                                 struct em_error *err) {
+  char path[EM_SCENE_PATH];
+  em_export_file_name(path, sizeof path, job, k, ".vtp");
+  const char *slash = strrchr(path, '/');
+  char *name = em_output_xml(slash ? slash + 1 : path);
+  if (!name) return em_error_set(err, EM_MEMORY, job->out, 0, "out of memory");
+  fprintf(out, "<DataSet timestep=\"%.17g\" file=\"%s\"/>\n",
+          em_run_file_frame_time(job->run, job->frame[k]), name);
+  free(name);
+  return EM_OK;
+}
+
 static enum em_status write_collection(const struct em_export *job, struct em_error *err) {
   struct em_output file;
-  char path[EM_SCENE_PATH];
-  const enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
+  enum em_status status = em_output_begin(&file, job->out, EM_OUTPUT_STREAM, err);
   if (status != EM_OK) return status;
   fprintf(file.out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
                     "byte_order=\"LittleEndian\">\n<Collection>\n");
-  for (size_t k = 0; k < job->frames; k++) {
-    em_export_file_name(path, sizeof path, job, k, ".vtp");
-    const char *slash = strrchr(path, '/');
-    fprintf(file.out, "<DataSet timestep=\"%.17g\" file=\"%s\"/>\n",
-            em_run_file_frame_time(job->run, job->frame[k]), slash ? slash + 1 : path);
-  }
+  for (size_t k = 0; k < job->frames && status == EM_OK; k++)
+    status = put_member(file.out, job, k, err);
   fprintf(file.out, "</Collection>\n</VTKFile>\n");
-  return em_output_end(&file, EM_OK, err);
+  return em_output_end(&file, status, err);
 }
 
 enum em_status em_export_vtk_write(const struct em_export *job, struct em_error *err) {

@@ -575,6 +575,14 @@ check "of what rises, no law that ends as the constant" rising
 for to in xdmf xdmf3 vtk lammps csv pov stl; do
   check "export --to $to" post export "$one" --to $to --every 25 -o "$work/export.$to"
 done
+members() { # of a collection, whose name XML would read otherwise
+  post export "$one" --to vtk --every 25 -o "$work/a&b <\"c\">.pvd" && /usr/bin/python3 - "$work" <<'PY'
+import os, sys, xml.etree.ElementTree as tree
+names = [x.get("file") for x in tree.parse(sys.argv[1] + '/a&b <"c">.pvd').iter("DataSet")]
+assert names and all(os.path.exists(os.path.join(sys.argv[1], n)) for n in names), names
+PY
+}
+check "a VTK collection finds its files, whatever its name" members
 if command -v povray >"$work/where"; then
   check "POV-Ray at one moment" post export "$one" --to pov --at 0.2 -o "$work/one.pov"
   check "which renders" bash -c "cd '$work' && povray -D +W96 +H54 +Ione.pov +Oone.png && test -s one.png"
