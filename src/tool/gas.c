@@ -112,6 +112,12 @@ const char *em_gas_no_relative(const struct em_scene *scene) {
   return spins(scene) ? "the balls spin, which is part of v_t" : "";
 }
 
+const char *em_gas_no_points(const struct em_scene *scene) {
+  const char *no_velocities = em_gas_no_velocities(scene);
+  if (*no_velocities) return no_velocities;
+  return em_scene_blade_count(scene) > 0 ? "balls lie in layers around blades" : "";
+}
+
 bool em_gas_has(const struct em_scene *scene, enum em_gas_quantity q) {
   const struct em_chamber *c = &scene->chamber;
   const bool box = c->shape == EM_SHAPE_BOX;

@@ -73,10 +73,11 @@ const char *em_gas_words(enum em_gas_quantity q);
 enum em_distribution em_gas_law(enum em_gas_quantity q);
 enum em_gas_tie em_gas_tie(enum em_gas_quantity q);
 
-/* Why the laws of velocities, those of relative speeds and impact parameters, and those of places,
- * need not hold in a scene; "" when they must. */
+/* Why the laws of velocities, those of relative speeds and impact parameters, of impact points on
+ * balls, and of places, need not hold in a scene; "" when they must. */
 const char *em_gas_no_velocities(const struct em_scene *scene);
 const char *em_gas_no_relative(const struct em_scene *scene);
+const char *em_gas_no_points(const struct em_scene *scene);
 const char *em_gas_no_places(const struct em_scene *scene);
 
 /* Does the chamber have the walls that a quantity is of? */

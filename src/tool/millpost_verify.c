@@ -210,9 +210,13 @@ static bool is_relative(enum em_gas_quantity q) {
   return q == EM_GAS_RELATIVE || q == EM_GAS_IMPACT;
 }
 
+static bool is_point(enum em_gas_quantity q) {
+  return q >= EM_GAS_NORMAL_X && q <= EM_GAS_NORMAL_Z;
+}
+
 /* Which laws are tested. */
 struct held {
-  bool velocities, relative, places;
+  bool velocities, relative, points, places;
 };
 
 static void columns(struct em_report *report) {
@@ -231,6 +235,7 @@ static void columns(struct em_report *report) {
 
 static bool is_held(const struct held *held, enum em_gas_quantity q) {
   if (is_place(q)) return held->places;
+  if (is_point(q)) return held->points;
   return is_relative(q) ? held->relative : held->velocities;
 }
 
@@ -368,18 +373,21 @@ static int run_with(const struct em_run_file *run, const struct em_millpost_opti
   struct em_error err = {.code = EM_OK};
   const struct em_scene *scene = em_run_file_scene(run);
   const char *no_velocities = em_gas_no_velocities(scene), *no_places = em_gas_no_places(scene);
-  const char *no_relative = em_gas_no_relative(scene);
+  const char *no_relative = em_gas_no_relative(scene), *no_points = em_gas_no_points(scene);
   const struct held held = {.velocities = o->anyway || !*no_velocities,
                             .relative = o->anyway || !*no_relative,
+                            .points = o->anyway || !*no_points,
                             .places = o->anyway || !*no_places};
   struct em_report *report = em_report_new("verify");
   em_report_fact_text(report, "run", "run", "%s", o->run[0]);
   if (*no_velocities)
     em_report_note(report, "The laws of velocities need not hold here: %s.", no_velocities);
-  else if (*no_relative)
+  if (*no_relative && !*no_velocities)
     em_report_note(report,
                    "The laws of relative speeds and impact parameters need not hold here: %s.",
                    no_relative);
+  if (*no_points && !*no_velocities)
+    em_report_note(report, "The laws of impact points on balls need not hold here: %s.", no_points);
   if (*no_places) em_report_note(report, "The laws of places need not hold here: %s.", no_places);
   if (!held.velocities && !held.places) {
     em_report_fact_text(report, "verdict", "verdict", "no law applies");

@@ -480,6 +480,11 @@ run geometries/ideal-gas.cfg chamber.length=0.034 balls.count=250 balls.diameter
   -o "$work/flat.h5" >"$work/out"
 check "a flat drum has no places beyond the layers at its ends" verdict holds '
 assert any("along the axis; 0 values" in n for n in result["notes"]), result["notes"]' "$work/flat.h5"
+run geometries/simoloyer-2l.cfg rotor.rpm=0 gravity='"none"' contact.rule=smooth contact.normal=1 balls.count=300 \
+  duration=3 record.frames=50 record.observables=100 record.collisions=true -o "$work/still.h5" >"$work/out"
+check "blades at rest have layers of balls around them" verdict holds '
+assert not any("impact points on the balls" in law["quantity"] for law in result["laws"]), result["laws"]
+assert any("layers around blades" in n for n in result["notes"]), result["notes"]' "$work/still.h5"
 check "30 balls tell no law, however long" verdict undecided '
 assert result["verdict"].endswith("too few balls") and result["tests"] == 0, result' "$handful"
 check "60 tell as many values as their law is that of many" verdict holds '
