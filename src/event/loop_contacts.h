@@ -110,8 +110,10 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
   const struct remedy act = FN(remedy)(w, si > sj ? si : sj, since, -em_vec_dot(g, e));
   const struct em_contact_law *law = &w->scene->contact[EM_CLASS_BALL];
   const struct em_impulse p = FN(impulse)(w, law, meff, e, g, act);
-  if (vn_bin(p.vn) == 0 && em_collapse_sticks(w, law, p.vn))
+  if (vn_bin(p.vn) == 0 && em_collapse_sticks(w, law, p.vn)) {
+    w->clock = t; /* both have come so far */
     return em_collapse_stuck(w, i, j, t, p.vn, err);
+  }
   const struct em_vec sum = WITH(SPIN) ? em_vec_add(p.normal, p.tangential) : p.normal;
   double gain = em_vec_dot(sum, u) + 0.5 * em_vec_norm2(sum) / meff;
   const struct em_vec kick = FN(kick)(sum, mi);
