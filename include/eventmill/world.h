@@ -106,7 +106,7 @@ void em_world_free(struct em_world *world);
 /* Registers an observer; its pointer is copied. Errors: EM_MEMORY. */
 enum em_status em_world_observe(struct em_world *world, const struct em_observer *observer);
 
-/* Works off all events before `until` (s since the start; INFINITY: until there is none). *stop,
+/* Works off all events before `until` (s since the start; INFINITY: until all lie still). *stop,
  * when it turns non-zero, ends the run between two events (EM_STOPPED); stop may be NULL. Errors:
  * EM_COLLAPSE, EM_JAM: the state is that before the event in question; EM_INPUT: `until` is NAN;
  * EM_MEMORY: the world can only be freed. */

@@ -296,6 +296,13 @@ static enum em_status run_before(struct em_world *w, double limit, uint64_t *lef
   }
 }
 
+/* Does no ball move, nor will it? */
+static bool is_idle(const struct em_world *w) {
+  double time;
+  uint32_t rival;
+  return w->queue_kind->first(w->queue, &time, &rival) == EM_QUEUE_NOBODY;
+}
+
 enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_t count,
                                        const volatile sig_atomic_t *stop, struct em_error *err) {
   uint64_t left = count;
@@ -307,6 +314,7 @@ enum em_status em_world_run_collisions(struct em_world *w, double until, uint64_
     const bool shift = limit >= w->epoch_length;
     const enum em_status status = run_before(w, shift ? w->epoch_length : limit, &left, stop, err);
     if (status) return status;
+    if (until == INFINITY && is_idle(w)) break;
     if (left > 0) w->clock = fmax(w->clock, shift ? w->epoch_length : limit);
     if (!shift || left == 0) break;
     if (!em_body_next_epoch(w))

@@ -51,10 +51,30 @@ static void test_no_time(void **state) {
   trial_free(&t);
 }
 
+/* Balls at rest have no events: a run without end is over. */
+static void test_no_events(void **state) {
+  (void)state;
+  static const char *const engines[] = {"engine.partition=cells", "engine.partition=neighbours",
+                                        "engine.lists=tree engine.partition=slices"};
+  for (size_t k = 0; k < sizeof engines / sizeof *engines; k++) {
+    struct trial t;
+    trial_scene(&t, two_kinds, "%s", engines[k]);
+    trial_balls(&t);
+    for (size_t i = 0; i < t.balls->count; i++)
+      t.balls->velocity[i] = em_vec_make(0.0, 0.0, 0.0);
+    trial_world(&t);
+    trial_run(&t, INFINITY);
+    trial_run(&t, 1.0);
+    assert_true(em_world_time(t.world) == 1.0);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_foreign_balls),
       cmocka_unit_test(test_no_time),
+      cmocka_unit_test(test_no_events),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
