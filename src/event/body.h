@@ -71,6 +71,10 @@ struct em_world {
   uint64_t epoch;
   double clock;  /* s within the epoch */
   double within; /* s: contacts in a row */
+  /* s: what lies further in the past than rounding explains is no contact to come: when times are
+   * moved back, their rounding can turn a pair that has just missed into one that has just touched.
+   */
+  double late;
   /* Contacts since everything was predicted anew. A prediction is stale when its partner has had
    * one since it was made; so whoever predicts need not ask anything of the partner. */
   uint32_t contacts;

@@ -1,10 +1,8 @@
 /* Part of loop_template.h, a template: when balls meet, one pair at a time, to the same bits many
  * at a time, and the earliest of a ball's candidates. */
 
-/* When balls i and j touch, from their states at the later of their last real events. `now` only
- * chooses the periodic image. The contact that has just been made is left out; other images of that
- * partner are further away (PERIOD_LEAST in scene_check.c). */
-static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
+/* When balls i and j touch or have touched: see FN(pair). */
+static double FN(touch)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
   const struct em_body *a = &w->body[i], *b = &w->body[j];
   const double tr = b->t > a->t ? b->t : a->t;
   const double da = tr - a->t, db = tr - b->t;
@@ -38,6 +36,14 @@ static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double 
   if (WITH(EXTRA) && w->exact_pairs)
     return em_body_exact_pair(w, i, j, em_vec_make(dx - (xb - xa), dy - (yb - ya), dz - (zb - za)));
   return tr + em_surface_pair(em_vec_make(dx, dy, dz), em_vec_make(du, dv, dw), sigma);
+}
+
+/* When balls i and j touch, from their states at the later of their last real events. `now` only
+ * chooses the periodic image, and tells what is past. The contact that has just been made is left
+ * out; other images of that partner are further away (PERIOD_LEAST in scene_check.c). */
+static double FN(pair)(const struct em_world *w, uint32_t i, uint32_t j, double now) {
+  const double t = FN(touch)(w, i, j, now);
+  return t >= now - w->late ? t : INFINITY;
 }
 
 /* The earliest of n candidates of ball i, one after the other. */
@@ -153,7 +159,8 @@ FN(choose)(const struct em_world *w, uint32_t i, const uint32_t *id, uint32_t n,
   for (uint32_t h = 0; h * LANES < n; h++, from += LANES) {
     const struct FN(pairs) *q = &to->of[h];
     const vd t = FN(times_of)(fresh ? vd_all(now) : q->tr, q->p, q->c, q->disc);
-    const vm sooner = vd_below(t, each);
+    vm sooner = vd_below(t, each);
+    if (!fresh) sooner &= vd_at_most(vd_all(now - w->late), t);
     twice |= vd_equal(t, each);
     each = vd_choose(sooner, t, each);
     at = vl_choose(sooner, from, at);
@@ -191,7 +198,7 @@ static inline void FN(predict_some)(struct em_world *w, const uint32_t *ball, co
     const double root = q->c[h] / (sqrt(q->disc[h]) - q->p[h]);
     const double t = w->plan[i].last == j ? FN(pair)(w, i, j, now) : q->tr[h] + root;
     const struct em_prediction p = {t, j, w->contacts};
-    em_local_first_add(w->local, i, &p);
+    if (t >= now - w->late) em_local_first_add(w->local, i, &p);
   }
 }
 

@@ -97,6 +97,7 @@ static void set_times(struct em_world *w) {
   const double speed = em_scene_typical_speed(w->scene);
   const double d = w->count ? 2.0 * w->smallest : em_vec_norm(em_vec_sub(w->high, w->low));
   w->epoch_length = exp2(nearbyint(log2(64.0 * d / speed)));
+  w->late = 0x1p-40 * w->epoch_length;
   w->within = w->scene->remedy.jam_within;
 }
 

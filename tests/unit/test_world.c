@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "event/body.h"
 #include "support/trial.h"
 
 static const char two_kinds[] =
@@ -70,11 +71,53 @@ static void test_no_events(void **state) {
   }
 }
 
+struct apart {
+  struct em_world *world;
+  double most; /* m, between surfaces at contacts of the balls */
+};
+
+static void measure(void *self, const struct em_contact *contact) {
+  struct apart *a = self;
+  const struct em_body *b = a->world->body;
+  if (contact->cls != EM_CLASS_BALL) return;
+  const struct em_vec d = {b[0].x - b[1].x, b[0].y - b[1].y, b[0].z - b[1].z};
+  a->most = fmax(a->most, fabs(em_vec_norm(d) - b[0].radius - b[1].radius));
+}
+
+/* Balls that have just missed each other go on apart when times are moved back, and are rounded. */
+static void test_past_grazes(void **state) {
+  (void)state;
+  static const char *const engines[] = {"", "engine.simd=false", "engine.lists=all"};
+  const double d = 0.015625;
+  uint64_t seed = 3;
+  for (size_t k = 0; k < 3000; k++) {
+    struct trial t;
+    struct apart apart = {NULL, 0.0};
+    trial_scene(&t,
+                "gravity=\"none\";chamber={shape=\"box\";size=[1.28,1.28,1.28];};"
+                "contact={rule=\"smooth\";normal=1.0;};balls={count=2;diameter=0.015625;};",
+                "%s", engines[k % 3]);
+    trial_balls(&t);
+    t.balls->position[0] = em_vec_make(dice_in(&seed, 0.02, 0.05), 0.64, 0.64);
+    t.balls->velocity[0] = em_vec_make(-dice_in(&seed, 0.5, 1.0), 0.0, 0.0);
+    t.balls->position[1] = em_vec_make(dice_in(&seed, 0.2, 0.3), 0.64 + d, 0.64);
+    t.balls->velocity[1] = em_vec_make(-dice_in(&seed, 0.05, 0.1), 0.0, 0.0);
+    trial_world(&t);
+    apart.world = t.world;
+    const struct em_observer observer = {.self = &apart, .contact = measure};
+    assert_int_equal(em_world_observe(t.world, &observer), EM_OK);
+    trial_run(&t, 1.05 * t.world->epoch_length);
+    assert_true(apart.most < 1e-12 * d);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_foreign_balls),
       cmocka_unit_test(test_no_time),
       cmocka_unit_test(test_no_events),
+      cmocka_unit_test(test_past_grazes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
