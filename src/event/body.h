@@ -65,6 +65,7 @@ struct em_world {
   bool vectors;         /* pairs eight or four at a time, if the loop has as many lanes */
   /* Knobs beyond the choice of a quartic's solver; the drum's may be facets. */
   bool special_roots, special_drum, exact_pairs;
+  double content; /* m: so far from drum or blade, searches may find a contact; 0: none of them */
 
   double origin;       /* s since the start: when the first epoch began */
   double epoch_length; /* s, a power of two */

@@ -45,7 +45,8 @@ static double facets(const struct em_world *w, uint32_t i, bool touched, double 
     const struct em_vec e = w->facet[k];
     const double gap = em_vec_dot(e, r) + (w->rho - b->radius), rate = em_vec_dot(e, v);
     const double fall = em_vec_dot(e, w->gravity);
-    if (gap > 0.0 && gap + (rate - 0.5 * fabs(fall) * horizon) * horizon > 0.0) continue;
+    const double way = (rate - 0.5 * fabs(fall) * horizon) * horizon;
+    if (gap > 0.0 && gap + way > 1e-9 * b->radius) continue; /* far more than rounding */
     const bool same = touched && e.x == last.x && e.z == last.z;
     first = fmin(first, em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, same));
   }

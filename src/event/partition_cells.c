@@ -333,7 +333,7 @@ static void set_near(const struct em_world *w, struct em_places *p) {
         for (int a = 0; a < 3; a++)
           c[a] = p->axis[a].low + (at[a] - 0.5) * p->axis[a].edge;
         *em_blocks_near(p, em_blocks_number(p, at)) =
-            surfaces_near(w, c, half, 2.0 * p->slack + w->early);
+            surfaces_near(w, c, half, 2.0 * p->slack + w->early + w->content);
       }
   for (uint32_t i = 0; i < p->count; i++)
     p->plan[i].near = *em_blocks_near(p, em_blocks_number(p, p->plan[i].cell));

@@ -198,7 +198,7 @@ static void set_bend(const struct em_world *w, struct em_places *p, double usual
  * drum's axis; `reach`: how far from the shell's centre its surface can be. */
 static uint32_t surfaces_near(const struct em_world *w, const struct em_shell *s, double reach) {
   const double x = (double)s->centre[0], y = (double)s->centre[1], z = (double)s->centre[2];
-  const double r = reach * (1.0 + 1e-6), in = w->rho - r;
+  const double r = reach * (1.0 + 1e-6) + w->content, in = w->rho - r;
   uint32_t near = em_partition_blades(w, em_vec_make(x, y, z), r, em_vec_make(0.0, 0.0, 0.0));
   if (w->drum && !(in > 0.0 && x * x + z * z < in * in)) near |= EM_NEAR_WALL;
   if (w->wall[0] && !(x - r > w->low.x && x + r < w->high.x)) near |= EM_NEAR_WALL;

@@ -147,7 +147,7 @@ static uint32_t blades_in(const struct em_world *w, const struct em_places *p, i
     const struct em_blade *b = &w->blade[k].blade;
     const double along = fabs(b->axis.y), across = sqrt(fmax(0.0, 1.0 - along * along));
     const double reach =
-        w->blade[k].hull * across + b->radius * along + w->largest + 2.0 * p->slack;
+        w->blade[k].hull * across + b->radius * along + w->largest + 2.0 * p->slack + w->content;
     if (b->centre.y + reach < low_of(p, c) || b->centre.y - reach > high_of(p, c)) continue;
     mask |= EM_NEAR_BLADE(k);
   }

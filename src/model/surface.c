@@ -63,14 +63,16 @@ static double drum_straight(double q0, double b, double a, bool touched) {
   return b > 0.0 ? -q0 / (b + root) : (root - b) / a;
 }
 
-/* Is q < 0 all the way to the horizon, beyond rounding? q'' is convex on t ≥ 0, so q lies below the
- * parabola with the larger of its ends; that is convex, so its own ends decide. */
-static bool is_far(const double *q, int degree, double horizon) {
+/* Is q < −floor all the way to the horizon, beyond rounding? q'' is convex on t ≥ 0, so q lies
+ * below the parabola with the larger of its ends; that is convex, so its own ends decide. (Of a
+ * cubic, t q starts at 0: it is not far.) */
+static bool is_far(const double *q, int degree, double floor, double horizon) {
   const double h = horizon, q3 = q[3], q4 = degree == 4 ? q[4] : 0.0;
   const double end = 2.0 * q[2] + h * (6.0 * q3 + h * 12.0 * q4);
   const double bend = em_greater(em_greater(2.0 * q[2], end), 0.0);
   const double size = h * (fabs(q[1]) + h * (fabs(q[2]) + h * (fabs(q3) + h * fabs(q4)))) - q[0];
-  return q[0] < 0.0 && q[0] + h * (q[1] + 0.5 * bend * h) < -1e-14 * size;
+  if (degree == 3 && floor > 0.0) return false;
+  return q[0] < -floor && q[0] + h * (q[1] + 0.5 * bend * h) < -1e-14 * size - floor;
 }
 
 enum { STEPS = 40 };
@@ -220,7 +222,7 @@ static double companion(const double *q, int degree) {
 static inline __attribute__((always_inline)) double solve(const double *q, int degree, double guess,
                                                           enum em_quartic solver, double floor,
                                                           double horizon) {
-  if (is_far(q, degree, horizon)) return INFINITY;
+  if (is_far(q, degree, floor, horizon)) return INFINITY;
   switch (solver) {
   case EM_QUARTIC_SAFE:
     return floor > 0.0 ? safe(q, degree, guess, floor, horizon)

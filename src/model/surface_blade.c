@@ -272,15 +272,17 @@ static struct search prepare(const struct em_blade *blade, struct em_vec r, doub
   return s;
 }
 
-/* Does the ball stay beside the blade, along the rotor's axis, up to the horizon? A lower bound of
- * its distance from the blade's slice is concave in time, so its ends decide. */
+/* Does the ball stay beside the blade, along the rotor's axis, by more than the tolerance up to the
+ * horizon? A lower bound of its distance from the blade's slice is concave in time, so its ends
+ * decide. */
 static bool is_aside(const struct em_blade *blade, struct em_vec r, struct em_vec v,
-                     struct em_vec g, double radius, double horizon) {
+                     struct em_vec g, double radius, double tolerance, double horizon) {
   const double y = em_vec_dot(em_vec_sub(r, blade->centre), blade->axis);
   const double vy = em_vec_dot(v, blade->axis), gy = em_vec_dot(g, blade->axis);
   const double off = fabs(y) - (blade->radius + radius);
   const double way = ((y < 0.0 ? -vy : vy) - 0.5 * fabs(gy) * horizon) * horizon;
-  return off > 1e-9 * radius && off + way > 1e-9 * radius;
+  const double clear = 1e-9 * radius + tolerance;
+  return off > clear && off + way > clear;
 }
 
 static void set_motion(struct search *s, const struct em_blade *blade, struct em_vec v,
@@ -298,7 +300,7 @@ static void set_motion(struct search *s, const struct em_blade *blade, struct em
 double em_surface_blade_within(const struct em_blade *blade, struct em_vec r, struct em_vec v,
                                struct em_vec g, double radius, double angle, bool touched,
                                double horizon, double tolerance, unsigned *steps) {
-  if (is_aside(blade, r, v, g, radius, horizon)) return INFINITY;
+  if (is_aside(blade, r, v, g, radius, tolerance, horizon)) return INFINITY;
   struct search s = prepare(blade, r, radius, angle);
   s.tolerance = em_greater(s.tolerance, tolerance);
   set_motion(&s, blade, v, g);

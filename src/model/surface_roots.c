@@ -25,6 +25,11 @@ bool em_surface_roots_special(const struct em_roots *how) {
          how->polish != EM_POLISH_NONE;
 }
 
+/* Polishing moves a root: which lies before the horizon is known afterwards. */
+static double beyond(const struct em_roots *how, double horizon) {
+  return how->polish == EM_POLISH_NONE ? horizon : 1.01 * horizon;
+}
+
 /* Is the ball so near to the drum, and so fast towards it, that gravity may be left out? */
 static bool is_short(const struct em_roots *how, struct em_vec r, struct em_vec v, struct em_vec g,
                      double rho, double radius) {
@@ -39,10 +44,11 @@ double em_surface_roots_drum(const struct em_roots *how, struct em_vec r, struct
                              double horizon) {
   if (is_short(how, r, v, g, rho, radius)) g = em_vec_make(0.0, 0.0, 0.0);
   const double t = em_surface_drum_within(r.x, r.z, v.x, v.z, g.x, g.z, rho, touched, how->quartic,
-                                          how->tolerance * 2.0 * radius, horizon);
+                                          how->tolerance * 2.0 * radius, beyond(how, horizon));
   if (!(t > 0.0 && t < INFINITY) || how->polish == EM_POLISH_NONE) return t;
-  return how->polish == EM_POLISH_QUAD ? drum_quad(t, r, v, g, rho, touched)
-                                       : drum_extended(t, r, v, g, rho, touched);
+  const double root = how->polish == EM_POLISH_QUAD ? drum_quad(t, r, v, g, rho, touched)
+                                                    : drum_extended(t, r, v, g, rho, touched);
+  return root <= horizon ? root : INFINITY;
 }
 
 double em_surface_roots_plane(const struct em_roots *how, double gap, double rate, double fall,
@@ -58,11 +64,14 @@ double em_surface_roots_blade(const struct em_roots *how, const struct em_blade 
                               double angle, bool touched, double horizon, unsigned *steps) {
   if (how->blade == EM_SEARCH_STEPS)
     return em_surface_blade_steps(blade, r, v, g, radius, angle, horizon, how->blade_step, steps);
-  const double t = em_surface_blade_within(blade, r, v, g, radius, angle, touched, horizon,
-                                           how->tolerance * 2.0 * radius, steps);
+  const double t =
+      em_surface_blade_within(blade, r, v, g, radius, angle, touched, beyond(how, horizon),
+                              how->tolerance * 2.0 * radius, steps);
   if (!(t > 0.0 && t < INFINITY) || how->polish == EM_POLISH_NONE) return t;
-  return how->polish == EM_POLISH_QUAD ? blade_quad(t, blade, r, v, g, radius, angle)
-                                       : blade_extended(t, blade, r, v, g, radius, angle);
+  const double root = how->polish == EM_POLISH_QUAD
+                          ? blade_quad(t, blade, r, v, g, radius, angle)
+                          : blade_extended(t, blade, r, v, g, radius, angle);
+  return root <= horizon ? root : INFINITY;
 }
 
 double em_surface_roots_pair(const struct em_roots *how, const struct em_surface_path *a,

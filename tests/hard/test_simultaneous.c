@@ -359,11 +359,77 @@ static void unheard(void **state) {
            (double)(3 * kinds), "the pairs by their numbers", "%s", "as documented");
 }
 
+/* The chambers in which a ball is to meet a wall and another ball at once. */
+static const struct chamber {
+  const char *words; /* of its scene */
+  bool box, flat;    /* flat: it has a floor */
+  double fall;       /* m/s² */
+} chambers[] = {
+    {"gravity=[0,0,-9.81]", true, true, 9.81},
+    {"chamber={shape=\"drum\";diameter=1;length=1;}", false, false, 0.0},
+    {"chamber={shape=\"drum\";diameter=1;length=1;} engine.polish=quad", false, false, 0.0},
+    {"gravity=[0,0,-9.81] chamber={shape=\"drum\";diameter=1;length=1;facets=6;}", false, true,
+     9.81},
+};
+
+/* Ball 0 flies to the wall below in the time `way`, ball 1 to where it is then. */
+static void meet_at_wall(struct trial *t, const struct chamber *c, double way, uint64_t *seed) {
+  const double r = 0.03125, rho = 0.5 - r;
+  const struct em_vec g = {0.0, 0.0, -c->fall};
+  struct em_vec *x = t->balls->position, *v = t->balls->velocity, e;
+  struct em_vec end = {dice_in(seed, -0.1, 0.1), dice_in(seed, 0.45, 0.55), -rho};
+  if (!c->flat) end.z = -sqrt(rho * rho - end.x * end.x);
+  if (c->box) end = em_vec_add(end, em_vec_make(0.5, 0.0, 0.5));
+  do
+    e = dice_direction(seed);
+  while (e.z < 0.1);
+  v[0] = em_vec_make(dice_in(seed, -0.5, 0.5), dice_in(seed, -0.5, 0.5), -1.0 - way * c->fall);
+  v[1] = em_vec_axpy(v[0], -dice_in(seed, 0.8, 1.2), e);
+  x[0] = em_vec_axpy(em_vec_axpy(end, -way, v[0]), -0.5 * way * way, g);
+  x[1] = em_vec_axpy(em_vec_axpy(em_vec_axpy(end, 2.0 * r, e), -way, v[1]), -0.5 * way * way, g);
+}
+
+/* A wall and another ball at one time but for rounding: which of them goes first does not depend on
+ * how far ahead an engine looks for walls. */
+static void wall_and_ball(void **state) {
+  (void)state;
+  static const char *const engines[] = {
+      "engine.lists=calendar engine.partition=none", "engine.lists=tree engine.partition=none",
+      "engine.partition=cells", "engine.partition=slices", "engine.partition=neighbours"};
+  const int kinds = sizeof chambers / sizeof *chambers;
+  uint64_t seed = 9;
+  enum { TRIES_EACH = 500 };
+  for (int k = 0; k < TRIES_EACH * kinds; k++) {
+    const struct chamber *c = &chambers[k % kinds];
+    const double way = dice_in(&seed, 0.02, 0.15);
+    const uint64_t dice_from = seed;
+    uint64_t first = 0;
+    for (size_t n = 0; n < sizeof engines / sizeof *engines; n++) {
+      struct trial t;
+      struct trail trail;
+      trial_scene(&t, lab, "chamber.size=[1,1,1] balls.count=2 balls.diameter=0.0625 %s %s",
+                  c->words, engines[n]);
+      trial_balls(&t);
+      seed = dice_from;
+      meet_at_wall(&t, c, way, &seed);
+      trial_world(&t);
+      trail_watch(&trail, t.world);
+      trial_run(&t, 1.02 * way);
+      assert_true(trail.count >= 2);
+      if (n == 0) first = trail.hash;
+      assert_true(trail.hash == first);
+      trial_free(&t);
+    }
+  }
+  hard_row("wall and ball", "both at one time but for rounding, five engines", TRIES_EACH * kinds,
+           "the same sequence with every engine", "%s", "none differs");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cradle), cmocka_unit_test(lattice), cmocka_unit_test(crowd),
       cmocka_unit_test(stars),  cmocka_unit_test(head_on), cmocka_unit_test(order_of_contacts),
-      cmocka_unit_test(square), cmocka_unit_test(unheard),
+      cmocka_unit_test(square), cmocka_unit_test(unheard), cmocka_unit_test(wall_and_ball),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,6 +85,15 @@ static void test_reference_rule(void **state) {
   compare(MILL, "contact.rule=reichardt2005 rotor.tip=none balls.count=1200", FEW, ALL & ~NONE);
 }
 
+/* Searches that are content with less find contacts where there are none yet: not more of them with
+ * one engine than with another. */
+static void test_knobs(void **state) {
+  (void)state;
+  const unsigned some = 1u << 2 | 1u << 8 | 1u << 9;
+  compare(MILL, "rotor.rpm=1700 engine.tolerance=1e-3", 3 * FEW, some);
+  compare(MILL, "rotor.rpm=1700 engine.shortcut=1", 3 * FEW, some);
+}
+
 static void test_tips(void **state) {
   (void)state;
   compare(MILL, "rotor.rpm=-800 rotor.tip=hemisphere contact.rule=friction", FEW, CHEAP);
@@ -143,6 +152,7 @@ int main(void) {
       cmocka_unit_test(test_tips),     cmocka_unit_test(test_two_rotors),
       cmocka_unit_test(test_drum_gas), cmocka_unit_test(test_periodic),
       cmocka_unit_test(test_large),    cmocka_unit_test(test_mixed_box),
+      cmocka_unit_test(test_knobs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
