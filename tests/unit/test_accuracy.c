@@ -94,6 +94,43 @@ static void tolerance_holds(void **state) {
   }
 }
 
+/* A contact is found with each horizon that is not before it, to the same bits, and with no other.
+ */
+static void horizons_decide_nothing(void **state) {
+  (void)state;
+  static const struct em_roots knobs[] = {{.tolerance = 0.0},
+                                          {.tolerance = 1e-3},
+                                          {.polish = EM_POLISH_EXTENDED, .tolerance = 1e-6},
+                                          {.polish = EM_POLISH_QUAD}};
+  const double rho = 0.0705, radius = 0.0025;
+  const struct em_vec g = {0.0, 0.0, -9.81};
+  for (int n = 0; n < 2000; n++) {
+    const struct em_roots *how = &knobs[n % 4];
+    const bool touched = n % 3 == 0;
+    const double phi = uniform(0.0, 2.0 * M_PI), r = touched ? rho : rho * sqrt(drand48()) * 0.9;
+    const struct em_vec p = {r * cos(phi), 0.0, r * sin(phi)}, any = in_box(3.0);
+    const bool out = p.x * any.x + p.z * any.z > 0.0;
+    const struct em_vec v = touched && out ? em_vec_scale(-1.0, any) : any;
+    const struct em_blade blade = {.axis = {0.0, 1.0, 0.0},
+                                   .e1 = {0.0, 0.0, 1.0},
+                                   .omega = uniform(-200.0, 200.0),
+                                   .radius = 0.006,
+                                   .reach = 0.058,
+                                   .tip = (enum em_tip)(n % EM_TIP_COUNT)};
+    const double wall = em_surface_roots_drum(how, p, v, g, rho, radius, touched, INFINITY);
+    const double bar = em_surface_roots_blade(how, &blade, p, v, g, radius, 0.3, false, 0.3, NULL);
+    for (int k = 0; k < 4; k++) {
+      const double share = k == 0 ? 1.0 : k == 1 ? 1.0 - 3e-16 : uniform(0.99, 1.01);
+      double h = share * wall;
+      double t = em_surface_roots_drum(how, p, v, g, rho, radius, touched, h);
+      assert_true(t == (wall <= h ? wall : INFINITY));
+      h = share * (bar < INFINITY ? bar : 0.29);
+      t = em_surface_roots_blade(how, &blade, p, v, g, radius, 0.3, false, h, NULL);
+      assert_true(t == (bar <= h ? bar : INFINITY));
+    }
+  }
+}
+
 /* All solvers find most contacts; those that are sure find every one. */
 static void solvers_agree(void **state) {
   (void)state;
@@ -118,6 +155,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(tolerance_holds),
       cmocka_unit_test(solvers_agree),
+      cmocka_unit_test(horizons_decide_nothing),
       cmocka_unit_test(levels_set_what_the_scene_does_not),
       cmocka_unit_test(printed_scenes_take_another_level),
   };
