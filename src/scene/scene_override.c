@@ -192,13 +192,14 @@ static double entry_number(const config_setting_t *group, const char *name, doub
   return number_of(config_setting_get_member(group, name), otherwise);
 }
 
-/* The largest speed of a rotor's own, or of its blades if it has none. */
+/* A rotor's own speed, or the largest of its blades' if it has none. */
 static double rotor_speed(config_setting_t *rotor) {
   double speed = entry_number(rotor, "rpm", 0.0);
+  if (speed != 0.0) return speed;
   config_setting_t *blades = config_setting_get_member(rotor, "blades");
-  for (int k = 0; speed == 0.0 && k < length_of(blades); ++k) {
+  for (int k = 0; k < length_of(blades); ++k) {
     const config_setting_t *blade = group_of(blades, k);
-    if (blade) speed = fabs(entry_number(blade, "rpm", 0.0));
+    if (blade) speed = fmax(speed, fabs(entry_number(blade, "rpm", 0.0)));
   }
   return speed;
 }

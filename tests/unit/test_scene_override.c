@@ -114,6 +114,14 @@ static void speed_of_all_rotors(void **state) {
            "rotor.rpm=1000", NULL, NULL, NULL);
   assert_true(rpm(s, 0, 0) == 1000.0 && rpm(s, 0, 1) == -1000.0 && rpm(s, 0, 2) == -500.0);
   em_scene_free(s);
+  /* The fastest counts, not the first. */
+  s = with("chamber = { diameter = 0.146; length = 0.135; };"
+           "rotor = { blades = ({ y = 0.03; rpm = 200;" BAR "}, { y = 0.06; rpm = -400;" BAR
+           "}); };"
+           "balls = ();",
+           "rotor.rpm=1000", NULL, NULL, NULL);
+  assert_true(rpm(s, 0, 0) == 500.0 && rpm(s, 0, 1) == -1000.0);
+  em_scene_free(s);
 }
 
 static void number_of_all_balls(void **state) {
