@@ -57,7 +57,7 @@ static struct em_vec turned(struct em_vec n, struct em_vec t, double angle) {
 static double climb(const struct em_scene_body *a, const struct em_scene_body *b, struct em_vec n,
                     double step) {
   enum { WAYS = 8, STEPS = 400 };
-  const double gain = 1e-12; /* m */
+  const double gain = 1e-11 * (a->reach + b->reach); /* m */
   double best = parted(a, b, n);
   for (int k = 0; k < STEPS && step > 1e-7; ++k) {
     struct em_vec up = fabs(n.z) < 0.9 ? em_vec_make(0, 0, 1) : em_vec_make(1, 0, 0);

@@ -174,6 +174,26 @@ static void whole_numbers_of_any_length(void **state) {
   }
 }
 
+/* Two bars that cross close by are parted by planes that no simple direction gives. */
+static void blades_are_apart_at_any_scale(void **state) {
+  (void)state;
+  for (double m = 1e-30; m < 1e31; m *= 1e15) {
+    char text[800];
+    snprintf(text, sizeof text,
+             "gravity = \"none\"; chamber = { diameter = %.17g; length = %.17g; };"
+             "rotor = ({ radius = %.17g; reach = %.17g; blades = ({ y = %.17g; angle_deg = 351; });"
+             "}, { axis = [1, 0.3, 0.2]; point = [%.17g, %.17g, %.17g]; radius = %.17g;"
+             "reach = %.17g; blades = ({ y = 0; angle_deg = 8; }); });"
+             "balls = { count = 1; diameter = %.17g; };",
+             0.4 * m, 0.4 * m, 0.006 * m, 0.058 * m, 0.2 * m, 0.02 * m, 0.199 * m, -0.044 * m,
+             0.006 * m, 0.058 * m, 0.001 * m);
+    struct em_scene *s;
+    struct em_error err = {0};
+    if (em_scene_parse(&s, text, "t.cfg", 0, NULL, &err) != EM_OK) fail_msg("%g: %s", m, err.text);
+    em_scene_free(s);
+  }
+}
+
 /* ---- files */
 
 static void write_file(const char *path, const char *text) {
@@ -557,6 +577,7 @@ int main(void) {
       cmocka_unit_test(contacts_by_class),
       cmocka_unit_test(forms_that_values_may_take),
       cmocka_unit_test(whole_numbers_of_any_length),
+      cmocka_unit_test(blades_are_apart_at_any_scale),
       cmocka_unit_test_setup_teardown(includes_and_tables_beside_the_scene, make_directory,
                                       remove_directory),
       cmocka_unit_test(printed_scenes_read_back_to_the_same_bits),
