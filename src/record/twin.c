@@ -356,8 +356,16 @@ enum em_status em_twin_new(struct em_twin **out, const char *path, struct em_err
   return EM_OK;
 }
 
+/* A new hidden copy, which those may read who may read PATH; negative: errno. */
+static int open_hidden(const struct em_twin *twin) {
+  struct stat info;
+  const int fd = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd >= 0 && stat(twin->path, &info) == 0) (void)fchmod(fd, info.st_mode & 0777);
+  return fd;
+}
+
 enum em_status em_twin_begin(struct em_twin *twin, bool from_existing, struct em_error *err) {
-  twin->fd = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  twin->fd = open_hidden(twin);
   if (twin->fd < 0) return cannot(twin, errno, err);
   (void)unlink(twin->spare);
   return from_existing ? copy_visible(twin, err) : EM_OK;
@@ -433,7 +441,7 @@ static int renew_hidden(struct em_twin *twin, int old) {
     if (rename(twin->spare, twin->next) != 0) error = errno;
     if (!error) error = copy_marked(twin, twin->fd, old);
   } else {
-    old = open(twin->next, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    old = open_hidden(twin);
     if (old < 0) return errno;
     error = copy_whole(twin->fd, old);
   }

@@ -253,6 +253,17 @@ static void finished_runs_can_be_extended(void **state) {
   assert_true(record_digest(path, NULL, true) == whole); /* nothing to do */
 }
 
+static void who_may_read_a_file_stays_so(void **state) {
+  (void)state;
+  char *path = path_of("private.h5");
+  struct stat info;
+  record_digest(path, "duration=0.01", false);
+  assert_int_equal(chmod(path, 0640), 0);
+  record_digest(path, "duration=0.02", true);
+  assert_int_equal(stat(path, &info), 0);
+  assert_int_equal(info.st_mode & 0777, 0640);
+}
+
 static void other_scenes_and_existing_files_are_refused(void **state) {
   (void)state;
   const char *path = path_of("mine.h5"), *override = "balls.count=149", *shorter = "duration=0.01";
@@ -417,6 +428,7 @@ int main(void) {
       cmocka_unit_test(interrupted_runs_end_as_uninterrupted_ones),
       cmocka_unit_test(a_world_in_which_nothing_happens_is_stopped),
       cmocka_unit_test(finished_runs_can_be_extended),
+      cmocka_unit_test(who_may_read_a_file_stays_so),
       cmocka_unit_test(other_scenes_and_existing_files_are_refused),
       cmocka_unit_test(truncated_files_are_refused),
       cmocka_unit_test(flipped_bits_do_no_harm),
