@@ -285,7 +285,8 @@ static __attribute__((cold)) bool FN(gather)(struct em_world *w, double t) {
 static __attribute__((noinline, cold)) bool FN(untie)(struct em_world *w, double t,
                                                       uint32_t *first) {
   struct em_ties *ties = &w->ties;
-  const bool known = ties->count > 0 && ties->time == t && w->contacts == ties->contacts + 1;
+  const bool known = ties->count > 0 && ties->last != EM_NOBODY && ties->time == t &&
+                     w->contacts == ties->contacts + 1;
   if (known ? !FN(follow)(w, t) : !FN(gather)(w, t)) return false;
   *first = is_stopped(w) ? EM_NOBODY : em_ties_first(ties);
   ties->time = t, ties->last = *first, ties->contacts = w->contacts;
