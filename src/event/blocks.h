@@ -321,12 +321,14 @@ static inline const uint32_t *em_blocks_candidates(struct em_world *w, uint32_t 
   return from;
 }
 
-/* Ball i reaches the end of its cell at the time `now`, or will: puts it into the next. False: no
- * memory. */
+/* Ball i reaches the end of its cell at the time `now`, or will: puts it into the next. One that
+ * turns right at the border would go to and fro, if it fell back in less time than can be told.
+ * False: no memory. */
 static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bool falls,
                                   bool periodic) {
   struct em_places *p = w->places;
   struct em_plan *here = &p->plan[i];
+  const unsigned back = here->exit ^ 1u;
   if (here->exit != EM_BLOCKS_STAYS) {
     const unsigned a = here->exit / 2;
     const ptrdiff_t *line = p->axis[a].line, number = em_blocks_number(p, here->cell);
@@ -343,6 +345,8 @@ static inline bool em_blocks_step(struct em_world *w, uint32_t i, double now, bo
   if (falls) place = place + p->gravity * (0.5 * dt * dt), speed = speed + p->gravity * dt;
   if (p->centre) p->centre[i] = (struct em_vec){place[0], place[1], place[2]};
   em_blocks_leave(w, i, now, place, speed, falls, periodic);
+  if (falls && __builtin_expect((here->leave <= now) & (here->exit == back), 0))
+    here->leave = nextafter(now, INFINITY);
   return true;
 }
 

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "event/blocks.h"
 #include "event/body.h"
 #include "event/neighbours.h"
 #include "event/partition.h"
@@ -486,6 +487,33 @@ static void test_cells_get_roomy(void **unused) {
   close_world(cells, scene[1]);
 }
 
+/* A ball that turns right at the border of a cell, rising more slowly than time can tell, goes on
+ * falling. */
+static void test_turning_at_a_border(void **unused) {
+  (void)unused;
+  struct em_scene *scene;
+  struct em_world *w = open_world(3, EM_PARTITION_CELLS, EM_LISTS_CALENDAR, 0, &scene);
+  const struct em_blocks_axis *y = &w->places->axis[1];
+  uint32_t i = 0;
+  while (w->plan[i].cell[1] < 3 || w->plan[i].cell[1] + 2 > y->n)
+    i++;
+  assert_true(w->gravity.y < 0.0);
+  const double border = y->border[w->plan[i].cell[1]];
+  struct em_body *b = &w->body[i];
+  for (double rise = 1e-10; rise > 1e-22; rise *= 1e-2) {
+    double now = 1.0;
+    b->y = border, b->vx = b->vz = 0.0, b->vy = rise, b->t = now;
+    w->partition_kind->moved(w, i);
+    for (int crossings = 0; w->plan[i].leave < 1.01; crossings++) {
+      uint32_t n;
+      assert_true(crossings < 20);
+      now = fmax(now, w->plan[i].leave);
+      w->partition_kind->cross(w, i, now, &n);
+    }
+  }
+  close_world(w, scene);
+}
+
 static void test_too_many_slices(void **unused) {
   (void)unused;
   static struct em_error err; /* large */
@@ -732,6 +760,7 @@ int main(void) {
       cmocka_unit_test(test_balls_stay_in_turning_shells),
       cmocka_unit_test(test_same_collisions),
       cmocka_unit_test(test_cells_get_roomy),
+      cmocka_unit_test(test_turning_at_a_border),
       cmocka_unit_test(test_too_many_slices),
       cmocka_unit_test(test_few_contacts_in_a_short_period),
       cmocka_unit_test(test_both_images),
