@@ -144,8 +144,15 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
   return EM_OK;
 }
 
-/* Outward normal of the faked ramps (Reichardt 20.1.1): near the top and the bottom the drum's
- * normal is turned against the ball's motion along x. */
+/* Velocity of a turning drum's wall where a ball of radius r at x touches it along e. */
+static struct em_vec FN(drum_velocity)(const struct em_world *w, struct em_vec x, double r,
+                                       struct em_vec e) {
+  const struct em_vec at = em_vec_axpy(x, -r, e);
+  return (struct em_vec){w->drum_omega * at.z, 0.0, -w->drum_omega * at.x};
+}
+
+/* Inward normal of the drum. That of the faked ramps (Reichardt 20.1.1): near the top and the
+ * bottom it is turned against the ball's motion along x. */
 static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_body *b) {
   const double rho = sqrt(b->x * b->x + b->z * b->z);
   struct em_vec e = {-b->x / rho, 0.0, -b->z / rho};
@@ -155,7 +162,9 @@ static struct em_vec FN(drum_normal)(const struct em_world *w, const struct em_b
     const double side = (b->vx > 0.0) == (e.z > 0.0) ? -1.0 : 1.0;
     const double s = side * sin(w->scene->chamber.ramp_tilt), c = cos(w->scene->chamber.ramp_tilt);
     const struct em_vec turned = {c * e.x + s * e.z, 0.0, c * e.z - s * e.x};
-    if (em_vec_dot(turned, velocity(b)) < 0.0) e = turned; /* else the ball would not come back */
+    const struct em_vec wall = FN(drum_velocity)(w, centre(b), b->radius, turned);
+    if (em_vec_dot(turned, em_vec_sub(velocity(b), wall)) < 0.0)
+      e = turned; /* else the ball would not come back */
   }
   return e;
 }
@@ -179,10 +188,8 @@ static enum em_class FN(meet_surface)(const struct em_world *w, uint32_t i, uint
     *e = (struct em_vec){wall / 2 == 0 ? sign : 0.0, wall / 2 == 1 ? sign : 0.0,
                          wall / 2 == 2 ? sign : 0.0};
   }
-  if (WITH(EXTRA) && w->drum_omega != 0.0) {
-    const struct em_vec x = em_vec_axpy(centre(b), -b->radius, *e);
-    *surface = (struct em_vec){w->drum_omega * x.z, 0.0, -w->drum_omega * x.x};
-  }
+  if (WITH(EXTRA) && w->drum_omega != 0.0)
+    *surface = FN(drum_velocity)(w, centre(b), b->radius, *e);
   return wall / 2 == 1 ? EM_CLASS_END : EM_CLASS_DRUM;
 }
 

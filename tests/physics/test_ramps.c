@@ -101,8 +101,30 @@ static void any_tilt(void **state) {
     }
 }
 
+/* Where a turning drum carries a ramp away from a ball, the drum's own normal holds it: there is no
+ * contact without approach. */
+static void turning_drum(void **state) {
+  (void)state;
+  static const int rpm[] = {-600, -60, 60, 600};
+  for (size_t k = 0; k < sizeof rpm / sizeof *rpm; k++) {
+    struct trial t;
+    trial_open(&t,
+               "chamber={diameter=0.2;length=0.1;ramps={half_deg=30.0;tilt_deg=30.0;};};"
+               "gravity=[0.0,0.0,-9.81];contact={rule=\"rough\";normal=1.0;};"
+               "balls={count=50;diameter=0.005;};",
+               "chamber.rpm=%d", rpm[k]);
+    const double energy = trial_energy(&t);
+    trial_collide(&t, 1000);
+    assert_int_equal(em_world_tally(t.world)->vn[EM_CLASS_DRUM][0], 0);
+    trial_valid(&t, 1e-12);
+    assert_true(fabs(trial_books(&t, energy)) < 1e-12);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(turned_normal),
-                                     cmocka_unit_test(without_tilt), cmocka_unit_test(any_tilt)};
+                                     cmocka_unit_test(without_tilt), cmocka_unit_test(any_tilt),
+                                     cmocka_unit_test(turning_drum)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
