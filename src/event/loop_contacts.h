@@ -2,7 +2,7 @@
 
 /* Counts contacts in a row. */
 static uint32_t FN(streak)(const struct em_world *w, uint32_t i, double t) {
-  return t - w->body[i].t <= w->within ? w->plan[i].streak + 1 : 0;
+  return t - w->body[i].t <= w->within && w->plan[i].last != EM_NOBODY ? w->plan[i].streak + 1 : 0;
 }
 
 static void FN(advance)(struct em_world *w, uint32_t i, double t) {
@@ -52,7 +52,7 @@ static struct remedy FN(remedy)(struct em_world *w, uint32_t streak, double sinc
     act.elastic = act.frictionless = true;
     w->tally.tc++;
   }
-  if (vn < r->elastic_below) {
+  if (r->elastic_below > 0.0 && vn < r->elastic_below) {
     act.elastic = act.frictionless = true;
     w->tally.elastic++;
   }

@@ -112,12 +112,46 @@ static void test_past_grazes(void **state) {
   }
 }
 
+/* A ball's first contact is the first in a row, however soon it comes. */
+static void test_first_in_a_row(void **state) {
+  (void)state;
+  struct trial t;
+  trial_scene(&t, two_kinds, "%s",
+              "contact.rule=rough contact.tangential=0.5 remedy.jam_after=1 remedy.jam_within=1");
+  trial_balls(&t);
+  for (size_t i = 0; i < t.balls->count; i++)
+    t.balls->velocity[i] = em_vec_make(0.0, 0.0, 0.0);
+  t.balls->velocity[0] = em_vec_make(1.0, 2.0, 3.0);
+  trial_world(&t);
+  trial_collide(&t, 1);
+  assert_int_equal(em_world_tally(t.world)->jam, 0);
+  trial_run(&t, 0.5);
+  assert_true(em_world_tally(t.world)->jam > 0);
+  trial_free(&t);
+}
+
+/* Balls that come to rest touch without approach, by rounding even parting: no case for a remedy
+ * that is off. */
+static void test_remedy_off(void **state) {
+  (void)state;
+  for (int seed = 1; seed <= 20; seed++) {
+    struct trial t;
+    trial_open(&t,
+               "gravity=[0.3,-0.2,-9.81];chamber={shape=\"box\";size=[0.06,0.05,0.04];};"
+               "contact={rule=\"rough\";normal=0.5;};balls={count=1;diameter=0.005;};"
+               "remedy={tc=1e-300;};",
+               "seed=%d", seed);
+    assert_int_equal(em_world_run_collisions(t.world, INFINITY, 500, NULL, &t.err), EM_OK);
+    assert_int_equal(em_world_tally(t.world)->elastic, 0);
+    trial_free(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_foreign_balls),
-      cmocka_unit_test(test_no_time),
-      cmocka_unit_test(test_no_events),
-      cmocka_unit_test(test_past_grazes),
+      cmocka_unit_test(test_foreign_balls),  cmocka_unit_test(test_no_time),
+      cmocka_unit_test(test_no_events),      cmocka_unit_test(test_past_grazes),
+      cmocka_unit_test(test_first_in_a_row), cmocka_unit_test(test_remedy_off),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
