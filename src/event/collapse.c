@@ -26,6 +26,15 @@ struct hold {
   bool wall, blade;
 };
 
+/* Does a ball of radius r overlap the blade? Beyond the reach of the tip `none` nothing is. */
+static bool overlaps(const struct em_turning *k, struct em_vec x, double r, double t) {
+  const struct em_blade *b = &k->blade;
+  const double angle = b->angle + b->omega * t;
+  if (em_surface_blade_gap(b, x, r, angle) >= 0.0) return false;
+  const struct em_vec bar = em_vec_axpy(em_vec_scale(cos(angle), b->e1), sin(angle), k->e3);
+  return b->tip != EM_TIP_NONE || fabs(em_vec_dot(em_vec_sub(x, b->centre), bar)) <= b->reach;
+}
+
 static void add_surfaces(const struct em_world *w, uint32_t i, double t, double near,
                          struct hold *hold) {
   const struct em_vec x = em_body_at(w, i, t);
@@ -35,10 +44,8 @@ static void add_surfaces(const struct em_world *w, uint32_t i, double t, double 
   for (int k = 0; k < 3; k++)
     if (w->wall[2 * k] && (at[k] - r < low[k] || at[k] + r > high[k])) hold->wall = true;
   if (w->drum && sqrt(x.x * x.x + x.z * x.z) + r > w->rho) hold->wall = true;
-  for (uint32_t k = 0; k < w->blade_count; k++) {
-    const struct em_blade *b = &w->blade[k].blade;
-    if (em_surface_blade_gap(b, x, r, b->angle + b->omega * t) < 0.0) hold->blade = true;
-  }
+  for (uint32_t k = 0; k < w->blade_count; k++)
+    if (overlaps(&w->blade[k], x, r, t)) hold->blade = true;
 }
 
 /* Follows the cluster of ball i, from ball to ball, as long as there is memory for it. */

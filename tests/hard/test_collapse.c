@@ -333,6 +333,21 @@ static void no_exit(void **state) {
            (unsigned long long)most);
 }
 
+/* A ball that rests below the end of a bar without tip is held by the drum alone. */
+static void below_the_tip(void **state) {
+  (void)state;
+  struct trial t;
+  trial_open(&t,
+             "chamber={diameter=0.1;length=0.1;};gravity=[0.0,0.0,-9.81];"
+             "contact={rule=\"smooth\";normal=0.5;};"
+             "rotor={radius=0.006;reach=0.025;tip=\"none\";blades=({y=0.05;});};" TABLE
+             "((0.0,0.05,-0.038,0.0,0.0,0.0));};",
+             "%s", "");
+  assert_int_equal(play(&t, 1.0, 2000000), EM_COLLAPSE);
+  assert_null(strstr(t.err.text, "jam"));
+  trial_free(&t);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(slow_pairs),     cmocka_unit_test(three_in_line),
@@ -340,6 +355,7 @@ int main(void) {
       cmocka_unit_test(slow_mill),      cmocka_unit_test(too_slow),
       cmocka_unit_test(three_said),     cmocka_unit_test(gliding),
       cmocka_unit_test(squeezed),       cmocka_unit_test(no_exit),
+      cmocka_unit_test(below_the_tip),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
