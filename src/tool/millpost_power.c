@@ -54,6 +54,22 @@ static void input_facts(struct em_report *report, const struct em_balance *b, do
                            "periodic boundary.");
 }
 
+/* The part of the window that lies between two samples of the observables; what is told of it is
+ * told of this part. */
+static struct em_window sampled(const struct em_balance *b, const struct em_window *window,
+                                struct em_report *report) {
+  struct em_window part = *window;
+  part.from = b->lost.time[0];
+  part.to = b->lost.time[b->lost.count - 1];
+  const double slack = 1e-9 * (window->to - window->from);
+  if (part.from > window->from + slack || part.to < window->to - slack)
+    em_report_note(report,
+                   "Power and energy are told from %g s to %g s, between samples of the "
+                   "observables.",
+                   part.from, part.to);
+  return part;
+}
+
 static void specific_facts(struct em_report *report, const struct em_balance *b,
                            const struct em_balls *balls) {
   double mass = 0.0;
@@ -280,8 +296,9 @@ static enum em_status analyse(struct em_report *report, const struct em_run_file
     return status;
   }
   useful.window = window;
+  const struct em_window part = sampled(&balance, &window, report);
   if (em_run_file_has_rows(run))
-    status = from_table(&useful, run, &window, threshold, err);
+    status = from_table(&useful, run, &part, threshold, err);
   else if (em_run_file_block_count(run) > 0)
     status = from_histograms(&useful, run, &balance, &window, threshold, err);
   if (status == EM_OK) {

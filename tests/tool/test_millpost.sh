@@ -306,6 +306,12 @@ for key in ("power_by_torque", "power_by_energy", "dissipated"):
 assert len(curve) == 60 and max(abs(c["difference"]) for c in curve) < 1e-9 * result["power"]
 ' power "$one" --from 0.1 --curve; }
 check "power against time" against_time
+between_samples() { # every 0.0025 s
+  post power "$one" --above 2 --from 0.1012 --to 0.1987 >"$work/out" &&
+    grep -q "told from 0.1025 s to 0.1975 s, between samples" "$work/out" &&
+    diff <(grep '^ball-' "$work/out") <("$post" power "$one" --above 2 --from 0.1025 --to 0.1975 | grep '^ball-')
+}
+check "power is told of the time between samples, in all its parts" between_samples
 check "power without a table" post power "$plain" --from 0.1
 halves() { post power "$plain" --from 0.1 --csv >"$work/table" && grep -q '^# power_ci95 = [0-9.]* W$' "$work/table" &&
   ! grep -q '±' "$work/table"; }
