@@ -1,4 +1,4 @@
-/* Vectors of eight floats and of four doubles, for every processor. */
+/* Vectors of eight floats, of four and of two doubles, for every processor. */
 #ifndef EVENTMILL_EVENT_VECTORS_H
 #define EVENTMILL_EVENT_VECTORS_H
 
