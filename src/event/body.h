@@ -24,6 +24,10 @@ struct em_body {
 /* Numbers of balls that do not fit into the nearest caches any more, into the next ones neither. */
 enum { EM_FETCH_CLOSE_FROM = 6000, EM_FETCH_FROM = 24576 };
 
+/* Of a chamber's size, or of a radius: far more than rounding. Surfaces that a look ahead finds
+ * nearer are searched for. */
+#define EM_CLEARLY 1e-9
+
 /* A ball's index leaves two bits to slots.h. */
 #define EM_BALLS_MOST 0x3FFFFFFF
 

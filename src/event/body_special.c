@@ -46,7 +46,7 @@ static double facets(const struct em_world *w, uint32_t i, bool touched, double 
     const double gap = em_vec_dot(e, r) + (w->rho - b->radius), rate = em_vec_dot(e, v);
     const double fall = em_vec_dot(e, w->gravity);
     const double way = (rate - 0.5 * fabs(fall) * horizon) * horizon;
-    if (gap > 0.0 && gap + way > 1e-9 * b->radius) continue; /* far more than rounding */
+    if (gap > 0.0 && gap + way > EM_CLEARLY * b->radius) continue;
     const bool same = touched && e.x == last.x && e.z == last.z;
     first = fmin(first, em_surface_roots_plane(&w->scene->engine.roots, gap, rate, fall, same));
   }

@@ -2,11 +2,10 @@
  *
  * What a ball meets is found from its last contact on, so that it does not depend on when that is
  * asked. That it meets nothing can be seen, mostly, from where it is now, which spares half the
- * searches for blades: a gain of 1.03 to 1.07; what is nearer than CLEARLY, far more than rounding,
- * or than searches are content with, is searched for, so that nothing is decided here. `rest` is
- * how long from now on contacts with surfaces matter, h how long from its last contact on. */
-
-#define CLEARLY 1e-9 /* of a chamber's size, or of a radius */
+ * searches for blades: a gain of 1.03 to 1.07; what is nearer than EM_CLEARLY, far more than
+ * rounding, or than searches are content with, is searched for, so that nothing is decided here.
+ * `rest` is how long from now on contacts with surfaces matter, h how long from its last contact
+ * on. */
 
 static bool FN(enter_surface)(struct em_world *w, uint32_t i, uint32_t code, double dt) {
   const struct em_prediction p = {w->body[i].t + dt, code, w->contacts};
@@ -23,7 +22,7 @@ static inline bool FN(stays_in_drum)(const struct em_world *w, const struct em_b
                                      double rest) {
   const double rho = w->rho - at->radius;
   const double bent = WITH(GRAVITY) ? 0.5 * w->fall * rest * rest : 0.0;
-  const double sure = rho * (1.0 - CLEARLY) - bent - FN(content)(w), s2 = sure * sure;
+  const double sure = rho * (1.0 - EM_CLEARLY) - bent - FN(content)(w), s2 = sure * sure;
   const double qx = at->x + at->vx * rest, qz = at->z + at->vz * rest;
   return (sure > 0.0) & (at->x * at->x + at->z * at->z < s2) & (qx * qx + qz * qz < s2);
 }
@@ -43,7 +42,7 @@ static __attribute__((noinline)) bool FN(predict_drum)(struct em_world *w, uint3
 static bool FN(predict_plane)(struct em_world *w, uint32_t i, uint32_t wall, double gap,
                               double rate, double fall, double h) {
   const double bent = WITH(GRAVITY) ? 0.5 * fabs(fall) * h * h : 0.0;
-  if (gap > 0.0 && gap + rate * h - bent > CLEARLY * w->body[i].radius) return true;
+  if (gap > 0.0 && gap + rate * h - bent > EM_CLEARLY * w->body[i].radius) return true;
   const uint32_t code = EM_SURFACE + wall;
   const bool touched = w->plan[i].last == code;
   if (!WITH(GRAVITY)) fall = 0.0;
@@ -58,7 +57,7 @@ static inline bool FN(stays_between)(double x, double v, double g, double radius
                                      double high, double rest) {
   const double near = fabs(x - 0.5 * (low + high)) + radius;
   const double far = fabs(v) * rest + (WITH(GRAVITY) ? 0.5 * fabs(g) * rest * rest : 0.0);
-  return (near + far) * (1.0 + CLEARLY) < 0.5 * (high - low);
+  return (near + far) * (1.0 + EM_CLEARLY) < 0.5 * (high - low);
 }
 
 static __attribute__((noinline)) bool FN(predict_walls)(struct em_world *w, uint32_t i,
@@ -83,7 +82,7 @@ static inline double FN(turning_gap)(struct em_turning *b, struct em_vec r, doub
   const double axial = em_vec_dot(q, b->blade.axis);
   const double along = q1 * b->cos + q3 * b->sin, off = q3 * b->cos - q1 * b->sin;
   const double side = sqrt(off * off + axial * axial) - b->blade.radius;
-  return (em_greater(fabs(along) - b->blade.reach, side) - radius) - CLEARLY * b->hull;
+  return (em_greater(fabs(along) - b->blade.reach, side) - radius) - EM_CLEARLY * b->hull;
 }
 
 /* Can ball and blade not close their gap in time? */
