@@ -158,6 +158,9 @@ double em_body_exact_pair(const struct em_world *world, uint32_t i, uint32_t j,
  * em_surface_drum. */
 double em_body_special_drum(const struct em_world *world, uint32_t i, bool touched, double horizon);
 
+/* How far (m) a ball of radius r at x is from the drum's wall; negative: it is in it. */
+double em_body_drum_gap(const struct em_world *world, struct em_vec x, double r);
+
 /* Inward normal of the facet that is nearest to x. */
 struct em_vec em_body_facet(const struct em_world *world, struct em_vec x);
 /* The same where a ball with velocity v touches it: in a corner, where two are as near but for
@@ -170,6 +173,13 @@ void *em_body_array(size_t count, size_t size);
 /* Whole periods in a distance: 0 where the box is closed, for then per_period is 0. */
 static inline double em_body_shift(double d, double period, double per_period) {
   return period * ((d * per_period + EM_NEAREST) - EM_NEAREST);
+}
+
+/* The shortest of a distance's periodic images. */
+static inline struct em_vec em_body_nearest(const struct em_world *w, struct em_vec d) {
+  return (struct em_vec){d.x - em_body_shift(d.x, w->period.x, w->per_period.x),
+                         d.y - em_body_shift(d.y, w->period.y, w->per_period.y),
+                         d.z - em_body_shift(d.z, w->period.z, w->per_period.z)};
 }
 
 /* Back into the box; as it is along closed axes, for there the period is 0. */

@@ -43,7 +43,7 @@ static void add_surfaces(const struct em_world *w, uint32_t i, double t, double 
                high[3] = {w->high.x, w->high.y, w->high.z};
   for (int k = 0; k < 3; k++)
     if (w->wall[2 * k] && (at[k] - r < low[k] || at[k] + r > high[k])) hold->wall = true;
-  if (w->drum && sqrt(x.x * x.x + x.z * x.z) + r > w->rho) hold->wall = true;
+  if (w->drum && em_body_drum_gap(w, x, r) < 0.0) hold->wall = true;
   for (uint32_t k = 0; k < w->blade_count; k++)
     if (overlaps(&w->blade[k], x, r, t)) hold->blade = true;
 }
@@ -64,7 +64,7 @@ static struct hold held(struct em_world *w, uint32_t i, double t) {
       add_surfaces(w, chain[c], t, near, &hold);
       for (uint32_t k = 0; k < n; k++) {
         const double reach = w->body[chain[c]].radius + w->body[id[k]].radius + near;
-        const struct em_vec d = em_vec_sub(em_body_at(w, id[k], t), x);
+        const struct em_vec d = em_body_nearest(w, em_vec_sub(em_body_at(w, id[k], t), x));
         if (seen[id[k]] || em_vec_norm2(d) > reach * reach) continue;
         seen[id[k]] = true;
         chain[length++] = id[k];

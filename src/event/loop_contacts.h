@@ -92,11 +92,7 @@ static enum em_status FN(collide_pair)(struct em_world *w, uint32_t one, uint32_
   FN(advance)(w, j, t);
   const struct em_body *a = &w->body[i], *b = &w->body[j];
   struct em_vec d = {a->x - b->x, a->y - b->y, a->z - b->z};
-  if (WITH(PERIODIC)) {
-    d.x = d.x - em_body_shift(d.x, w->period.x, w->per_period.x);
-    d.y = d.y - em_body_shift(d.y, w->period.y, w->per_period.y);
-    d.z = d.z - em_body_shift(d.z, w->period.z, w->per_period.z);
-  }
+  if (WITH(PERIODIC)) d = em_body_nearest(w, d);
   const double norm = em_vec_norm(d);
   const struct em_vec e = {d.x / norm, d.y / norm, d.z / norm};
   const struct em_vec u = {a->vx - b->vx, a->vy - b->vy, a->vz - b->vz};

@@ -26,9 +26,8 @@ static bool clear_of_walls(const struct em_world *w, uint32_t i, double toleranc
     const double depth = k & 1 ? at[k / 2] + r - high[k / 2] : low[k / 2] - (at[k / 2] - r);
     if (w->wall[k] && !(depth <= tolerance)) return fault(err, w, i, EM_SURFACE + k, depth);
   }
-  double out = sqrt(x.x * x.x + x.z * x.z) + r - w->rho;
-  if (w->facets) out = r - w->rho - em_vec_dot(em_body_facet(w, x), x);
-  if (w->drum && !(out <= tolerance)) return fault(err, w, i, EM_SURFACE + EM_WALL_DRUM, out);
+  const double out = w->drum ? -em_body_drum_gap(w, x, r) : 0.0;
+  if (!(out <= tolerance)) return fault(err, w, i, EM_SURFACE + EM_WALL_DRUM, out);
   for (uint32_t k = 0; k < w->blade_count; k++) {
     const struct em_blade *b = &w->blade[k].blade;
     if (b->tip == EM_TIP_NONE) continue;
@@ -42,14 +41,9 @@ static bool clear_of_balls(struct em_world *w, uint32_t i, double tolerance, str
   uint32_t n;
   const uint32_t *id = w->partition_kind->candidates(w, i, &n);
   const struct em_vec x = em_body_at(w, i, w->clock);
-  const double period[3] = {w->period.x, w->period.y, w->period.z};
   for (uint32_t k = 0; k < n; k++) {
-    const struct em_vec d = em_vec_sub(em_body_at(w, id[k], w->clock), x);
-    double e[3] = {d.x, d.y, d.z};
-    for (int a = 0; a < 3; a++)
-      if (period[a] > 0.0) e[a] -= period[a] * nearbyint(e[a] / period[a]);
-    const double depth =
-        w->body[i].radius + w->body[id[k]].radius - sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+    const struct em_vec d = em_body_nearest(w, em_vec_sub(em_body_at(w, id[k], w->clock), x));
+    const double depth = w->body[i].radius + w->body[id[k]].radius - em_vec_norm(d);
     if (!(depth <= tolerance)) return fault(err, w, i, id[k], depth);
   }
   return true;

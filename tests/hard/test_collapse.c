@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "event/collapse.h"
 #include "eventmill/recorder.h"
 #include "support/trial.h"
 
@@ -311,6 +312,31 @@ static void squeezed(void **state) {
            (double)acted / (double)contacts, (unsigned long long)frozen);
 }
 
+/* Two balls in line with a bar, between its tip and a facet, which holds them, or the corner
+ * between two, which does not. */
+static void before_a_corner(void **state) {
+  (void)state;
+  static const double angle_deg[] = {45.0, 90.0};
+  for (int k = 0; k < 2; k++) {
+    struct trial t;
+    const double angle = angle_deg[k] * M_PI / 180.0;
+    trial_scene(&t,
+                "chamber={diameter=0.1;length=0.1;facets=4;};gravity=\"none\";"
+                "contact={rule=\"smooth\";normal=0.5;};"
+                "rotor={radius=0.006;reach=0.0439999;blades=({y=0.05;});};"
+                "balls={count=2;diameter=0.003;};",
+                "rotor.blades.angle_deg=%.17g", angle_deg[k]);
+    trial_balls(&t);
+    for (int b = 0; b < 2; b++) {
+      const double out = 0.0485 - 1e-8 - (0.003 + 1e-12) * b;
+      t.balls->position[b] = em_vec_make(out * sin(angle), 0.05, out * cos(angle));
+    }
+    trial_world(&t);
+    assert_int_equal(em_collapse_report(t.world, 0, 1, 0.0, &t.err), k == 0 ? EM_COLLAPSE : EM_JAM);
+    trial_free(&t);
+  }
+}
+
 /* Packed so full that the blade has nowhere to go. */
 static void no_exit(void **state) {
   (void)state;
@@ -355,7 +381,7 @@ int main(void) {
       cmocka_unit_test(slow_mill),      cmocka_unit_test(too_slow),
       cmocka_unit_test(three_said),     cmocka_unit_test(gliding),
       cmocka_unit_test(squeezed),       cmocka_unit_test(no_exit),
-      cmocka_unit_test(below_the_tip),
+      cmocka_unit_test(below_the_tip),  cmocka_unit_test(before_a_corner),
   };
   hard_choose();
   return cmocka_run_group_tests(tests, NULL, NULL);
