@@ -2,6 +2,9 @@
 # shellcheck disable=SC2034,SC2154 # variables of whoever sources this
 # What the scripts for parameter studies share. Sourced; $here is the folder of the scripts.
 
+# Numbers have points, and words one order, whatever the user's language.
+export LC_ALL=C
+
 say() { echo "${0##*/}: $*" >&2; }
 fail() { say "error: $*"; exit "${code:-1}"; }
 usage_error() { say "error: $*"; echo "Try '${0##*/} --help'." >&2; exit 2; }

@@ -177,6 +177,19 @@ expect 2 "lhs must be at least 1" "a hypercube without points" \
 expect 2 "j must be at least 1" "no run at a time" "$sweep" "${gas[@]}" balls.count=10,20 -j 0 -n -o no
 check "leave nothing" test ! -e no
 
+# ---------------------------------------------------------------- languages
+if localedef -i de_DE -f UTF-8 "$work/de_DE.UTF-8" 2>/dev/null; then
+  comma=(env LOCPATH="$work" LC_ALL=de_DE.UTF-8)
+  expect 0 "" "where a half is 0,5" "${comma[@]}" "$sweep" "${gas[@]}" contact.normal=0.9,1 -o comma
+  expect 0 "" "a longer duration goes on" \
+    "${comma[@]}" "$sweep" "${gas[@]}" contact.normal=0.9,1 duration=0.02 -o comma
+  is "to that duration" "0.02 0.02" "$(column comma/table.csv 'simulated_time [s]' | xargs)"
+  "${comma[@]}" "$scripts/plot-lines" comma median_speed -o comma.gp
+  is "diagrams have points" "" "$(sed -n 's/^set yrange.*,.*/&/p' comma.gp)"
+else
+  skip "where a half is 0,5" "there is no such locale"
+fi
+
 # ---------------------------------------------------------------- help
 for script in "$scripts"/*; do
   case $script in *.sh | *.awk) continue ;; esac
