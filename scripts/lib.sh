@@ -41,6 +41,16 @@ is_finished() {
     awk -v want="$2" '{ done = $1 >= want * (1 - 1e-9) } END { exit !done }'
 }
 
+# states SWEEP POINTS.csv DURATION: for each run of the table its row, from 1, its name, and 1 when it
+# is finished, else 0. DURATION is theirs where the table has none.
+states() {
+  awk -F, -v fixed="$3" 'NR == 1 { for (a = 5; a <= NF; a++) if ($a == "duration") d = a }
+    NR > 1 { print NR - 1, $4, d ? $d : fixed }' "$2" |
+    while read -r row run time; do
+      is_finished "$1/$run" "$time" && echo "$row $run 1" || echo "$row $run 0"
+    done
+}
+
 # The median speed of a run's balls over time: lines of time,speed.
 median_over_time() {
   both=$(for what in time value; do

@@ -103,6 +103,17 @@ is "both end well" 0 $?
 is "leave the tables" "mean.csv points.csv provenance.csv table.csv table.h5" \
   "$(cd told && echo *.csv* table*h5* | xargs -n 1 | sort | xargs)"
 
+# A sweep that is being extended: one run is as long as asked for, the other is not yet.
+expect 0 "" "a sweep" "$sweep" "${gas[@]}" balls.count=10,20 -o longer
+echo duration=0.02 >>longer/fixed
+expect 0 "" "goes on" "$scripts/run-point" longer "$(column longer/points.csv run | head -n 1)"
+expect 0 "" "meanwhile tables" "$scripts/collect" longer
+is "hold the finished run" 0.02 "$(column longer/table.csv 'simulated_time [s]')"
+check "and tell of the other" grep -q '^# 1 runs are missing or not finished' longer/mean.csv
+expect 2 "runs of 0.02 s, which can only grow" "a shorter duration" \
+  "$sweep" "${gas[@]}" balls.count=10,20 -o longer
+check "is refused" grep -qx duration=0.02 longer/fixed
+
 # ---------------------------------------------------------------- other seeds
 expect 0 "" "another base seed" "$sweep" "${gas[@]}" balls.count=10,20 --seed 9 -o told
 is "has runs of its own" 4 "$(ls told/runs/*.h5 | wc -l)"
