@@ -42,12 +42,26 @@ printf '#!/bin/sh\nSLURM_ARRAY_TASK_ID=0; export SLURM_ARRAY_TASK_ID\n%s\n' \
   'echo "$*" >>"$SENT"; case " $* " in *--wrap*) for last; do :; done; sh -c "$last" ;; *) for last; do :; done; sh "$last" ;; esac
 echo 1' >fake/sbatch
 printf '#!/bin/sh\n' >fake/scontrol
-printf '#!/bin/sh\necho "$QUEUE"\n' >fake/squeue
+cat >fake/squeue <<'E'
+#!/bin/sh
+echo "$*" >>"$SENT.asked"
+[ ! -e "$SENT.down" ] || { rm "$SENT.down"; echo "slurm_load_jobs error: Unable to contact slurm controller" >&2; exit 1; }
+[ -z "$QUEUE" ] || echo "$QUEUE"
+E
 chmod +x fake/*
 export QUEUE='' SENT=$PWD/sent
 PATH=$PWD/fake:$PATH expect 0 "" "its task finds its way there" \
   "a clone/scripts/sweep" "${gas[@]}" balls.count=10,20 --chunk 2 --on slurm --wait -o "$odd/array"
 is "as does the job for the tables" 3 "$(lines "$odd/array/table.csv")"
+
+rm sent.asked
+touch sent.down
+PATH=$PWD/fake:$PATH expect 0 "" "a queue that does not answer" \
+  "$sweep" "${gas[@]}" balls.count=10,20 --on slurm --chunk 2 --wait -o down
+is "is asked again" 3 "$(lines sent.asked)"
+touch sent.down
+PATH=$PWD/fake:$PATH expect 1 "contact slurm controller: if job 1 of this sweep is over, delete" \
+  "before there is another job" "$sweep" "${gas[@]}" balls.count=10,20,30 --on slurm -o down
 
 replaced="{} 100%d"
 PATH=$PWD/fake:$PATH expect 0 "" "a folder named like what Slurm and GNU parallel replace" \
