@@ -3,7 +3,9 @@
 # What the scripts for parameter studies share. Sourced; $here is the folder of the scripts.
 
 # Numbers have points, and words one order, whatever the user's language.
-export LC_ALL=C
+LANG=${LC_ALL:-${LANG:-}}
+unset LC_ALL
+export LANG LC_NUMERIC=C LC_COLLATE=C
 
 say() { echo "${0##*/}: $*" >&2; }
 fail() { say "error: $*"; exit "${code:-1}"; }
@@ -24,6 +26,12 @@ find_programs() {
   if [ ! -x "$mill" ] || [ ! -x "$millpost" ]; then
     code=2 fail "no mill and millpost in $build: run make, or set BUILD"
   fi
+}
+
+# operand NAME: a file's name that awk does not take for an assignment.
+operand() {
+  case $1 in [A-Za-z_]*=*) printf './' ;; esac
+  printf '%s\n' "$1"
 }
 
 # need PROGRAM PACKAGE

@@ -32,6 +32,15 @@ expect 0 "" "a folder with blanks and quotes in its name" \
   "$sweep" "my scene.cfg" balls.count=10,20 duration=0.01 -q -j1 -o "my sweep"
 is "has its runs" 3 "$(lines "my sweep/table.csv")"
 cd "$work" || exit 2
+mkdir T=3
+cp gas.cfg T=3/gas.cfg
+expect 0 "" "a folder with a value in its name" "$sweep" T=3/gas.cfg balls.count=10,20 duration=0.01 -q -o T=3/s
+expect 0 "" "goes on" "$sweep" T=3/gas.cfg balls.count=10,20 duration=0.01 -q -o T=3/s
+expect 0 "" "its tables" "$scripts/collect" T=3/s
+is "have its runs" 3 "$(lines T=3/s/table.csv)"
+expect 0 "" "its runs" "$scripts/run-point" T=3/s "$(column ./T=3/s/points.csv run | head -n 1)"
+expect 0 "" "its diagrams" "$scripts/plot-lines" T=3/s median_speed -o T=3/speed.gp
+is "have its points" 2 "$(grep -cE '^1,[12]0,' T=3/speed.gp)"
 mkdir "a clone"
 cp -R "$scripts" "a clone/scripts"
 expect 0 "" "scripts in such a folder" "a clone/scripts/sweep" "${gas[@]}" balls.count=10,20 -o clone
