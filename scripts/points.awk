@@ -14,13 +14,22 @@ function die(text) {
 function is_number(text) { return text ~ /^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$/ }
 function number(x) { return sprintf("%.10g", x) }
 
+# A number in its shortest form that is not another one.
+function exact(text,   digits, short) {
+  for (digits = 10; digits < 17; digits++) {
+    short = sprintf("%." digits "g", text)
+    if (short + 0 == text + 0) return short
+  }
+  return sprintf("%.17g", text)
+}
+
 # A value that stands in a CSV file, a file name and a command line.
 function checked(key, text) {
   if (text == "" || text ~ /[,"' \t;$`\\]/)
     die(key ": '" text "' cannot be a value of an axis, expected a number or a word")
   if (key ~ /\.(table|from)$/ && text !~ /^\//)
     die(key ": '" text "': names of files must be absolute")
-  return is_number(text) ? number(text) : text
+  return is_number(text) ? exact(text) : text
 }
 
 # A slip in a step must not fill the memory.
@@ -56,7 +65,11 @@ function read_axis(a, text,   part, n, k, steps) {
     if (n == 2) return
     steps = int((high[a] - low[a]) / step[a] + 1e-9)
     bound("values of " key[a], steps + 1)
-    for (k = 0; k <= steps; k++) value[a, k] = number(low[a] + k * step[a])
+    for (k = 0; k <= steps; k++) {
+      value[a, k] = number(low[a] + k * step[a])
+      if (k && value[a, k] == value[a, k - 1])
+        die(key[a] ": '" text "', expected steps that are seen in ten digits")
+    }
     values[a] = steps + 1
     return
   }

@@ -201,6 +201,10 @@ printf 'seed,balls.count\n5,10\n' >list
 expect 2 "seeds come from the points" "seeds in a list" "$sweep" "${gas[@]}" --list list -o no
 expect 2 "values of rotor.rpm: 9.99e+11, expected at most" "a slip in a step" \
   "$sweep" "${gas[@]}" rotor.rpm=1:1e-9:1000 -o no
+expect 0 "" "values that differ late" \
+  "$sweep" "${gas[@]}" contact.normal=0.9,0.90000000001,0.900,9e-1 -n -o no
+is "are two points" "0.9 0.90000000001" "$(sed -n 's/.*normal-\(.*\)_.*/\1/p' out | xargs)"
+expect 2 "seen in ten digits" "steps that are too fine" "$sweep" "${gas[@]}" contact.normal=0.9:1e-11:0.90000000003 -o no
 expect 2 "runs: 1000002, expected at most" "too many repeats" \
   "$sweep" "${gas[@]}" balls.count=10,20 --repeat 500001 -o no
 printf '\xef\xbb\xbf"balls.count","contact.normal"\r\n10,1   # a comment\r\n"20","1"\r\n' >list
