@@ -28,8 +28,17 @@ expect 0 "" "with the radii in another order" \
 is "as well" "5.50 1.8186 1.2000 0.00" "$(best | xargs)"
 check "on Slurm it waits for the runs" grep -q -- "--on slurm --wait" sent
 
+# ---------------------------------------------------------------- reproduce-report
+mkdir -p build elsewhere report/{gas,gas-gravity}/runs
+echo '{"energy_error": 3e-16}' >report/gas/runs/a.json
+echo '{"energy_error": 2e-9}' >report/gas-gravity/runs/a.json
+printf '#!/bin/sh\n' | tee build/mill >build/millpost
+chmod +x build/mill build/millpost
+expect 0 "" "a report" env BUILD="$work/build" "$scripts/reproduce-report" report
+is "judges errors of the energy" "3.0e-16 | agrees, no jumps; 2.0e-09 | above rounding" \
+  "$(sed -n 's/^| R12 .* gravity | \(.*\) | –.*/\1/p' out | paste -sd';' | sed 's/;/; /')"
+
 # ---------------------------------------------------------------- demo
-mkdir build elsewhere
 # shellcheck disable=SC2016 # the stand-in's own
 printf '#!/bin/sh\nwhile [ $# -gt 1 ]; do [ "$1" != -o ] || echo film >"$2"; shift; done\n' | tee build/mill >build/millpost
 chmod +x build/mill build/millpost
