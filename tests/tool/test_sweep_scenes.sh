@@ -79,6 +79,12 @@ check "its log" grep -qF -- "--output=$PWD/{} 100%%d/slurm-%A.log" sent
 expect 0 "" "the same, locally" "$sweep" "${gas[@]}" balls.count=10,20 -o "$replaced"
 is "has its runs" 3 "$(lines "$replaced/table.csv")"
 
+mkdir another
+printf '#!/bin/sh\necho "parallel: invalid option" >&2; exit 1\n' >another/parallel
+chmod +x another/parallel
+PATH=$PWD/another:$PATH expect 1 "is it GNU parallel?" "another program of that name" \
+  "$sweep" "${gas[@]}" balls.count=10,20 -o another/s
+
 # ---------------------------------------------------------------- one at a time
 # What is refused changes nothing: rows that wait in a queue or go on keep their meaning.
 cp "$replaced/points.csv" points
