@@ -45,8 +45,9 @@ json_number() { sed -n "s/.*\"$1\": *\\([-+0-9.eE]*\\).*/\\1/p" | head -n 1; }
 is_finished() {
   [ -s "$1" ] && [ -s "${1%.h5}.json" ] || return 1
   [ -z "${2:-}" ] && return 0
-  json_number simulated_time <"${1%.h5}.json" |
-    awk -v want="$2" '{ done = $1 >= want * (1 - 1e-9) } END { exit !done }'
+  awk -v want="$2" 'match($0, /"simulated_time": *[-+0-9.eE]+/) {
+      split(substr($0, RSTART, RLENGTH), part, ": *"); done = part[2] >= want * (1 - 1e-9); exit }
+    END { exit !done }' <"${1%.h5}.json"
 }
 
 # states SWEEP POINTS.csv DURATION: for each run of the table its row, from 1, its name, and 1 when it
