@@ -128,12 +128,15 @@ static void work(struct em_crew *crew, int line) {
 }
 
 static enum em_status start_worker(struct em_crew *crew, int k, struct em_error *err) {
+  static const int ending[] = {SIGINT, SIGTERM, SIGHUP}; /* that a whole group may get */
   int pair[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
     return em_error_set(err, EM_PICTURE, NULL, 0, "cannot start to draw: %s", strerror(errno));
   const pid_t pid = fork();
   if (pid == 0) {
-    signal(SIGINT, SIG_IGN); /* the parent decides when to end */
+    /* The parent decides when to end. */
+    for (size_t n = 0; n < sizeof ending / sizeof *ending; n++)
+      signal(ending[n], SIG_IGN);
     close(pair[0]);
     for (int other = 0; other < k; other++)
       close(crew->worker[other].line);

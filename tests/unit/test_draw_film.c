@@ -2,6 +2,7 @@
  * that failed. No canvas may be made in this process before the films. */
 #include <math.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 
@@ -125,6 +126,44 @@ static void nothing_is_left_of_a_failure(void **state) {
   em_scene_free(scene);
 }
 
+static void on_signal(int number) {
+  (void)number;
+}
+
+static bool signals(void *self, size_t done, size_t frames) {
+  (void)self;
+  if (done == 3) {
+    usleep(200000); /* until the workers wait for more */
+    kill(0, SIGTERM);
+    kill(0, SIGHUP);
+  }
+  return done <= frames;
+}
+
+/* A signal that all of a group get ends the film by the parent's will alone. */
+static void workers_leave_signals_to_the_parent(void **state) {
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
+  const struct em_film_options o = options_for(scene, 12);
+  struct reel reel = {.balls = draw_start(scene), .fail_at = SIZE_MAX};
+  const struct sigaction action = {.sa_handler = on_signal};
+  struct sigaction old[2];
+  struct em_error err = {0};
+  const pid_t group = getpgrp();
+  assert_int_equal(setpgid(0, 0), 0);
+  sigaction(SIGTERM, &action, &old[0]);
+  sigaction(SIGHUP, &action, &old[1]);
+  const enum em_status status =
+      em_film_make(draw_path("group.mp4"), scene, &o, state_at, &reel, signals, NULL, &err);
+  sigaction(SIGTERM, &old[0], NULL);
+  sigaction(SIGHUP, &old[1], NULL);
+  assert_int_equal(setpgid(0, group), 0);
+  assert_string_equal(err.text, "");
+  assert_int_equal(status, EM_OK);
+  em_start_free(reel.balls);
+  em_scene_free(scene);
+}
+
 static void bad_states_and_options_are_told(void **state) {
   (void)state;
   struct em_scene *scene = draw_scene(DRAW_MILL, 0, NULL);
@@ -196,6 +235,7 @@ static int clean(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nothing_is_left_of_a_failure),
+      cmocka_unit_test(workers_leave_signals_to_the_parent),
       cmocka_unit_test(bad_states_and_options_are_told),
       cmocka_unit_test(a_missing_or_failing_ffmpeg_is_told),
       cmocka_unit_test(a_film_has_all_frames),
