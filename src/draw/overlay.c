@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "draw/letters.h"
 #include "eventmill/plot.h"
 #include "num/locale.h"
 
@@ -26,7 +27,7 @@ struct bar {
 static const double LEAST_SCALE = 0.62, LEAST_WIDTH = 320.0, LEAST_HEIGHT = 220.0;
 
 /* Of the histogram's bars; of the letters. */
-static const double LONGEST = 84.0, TITLE = 21.0, POINT = 14.5, KEY = 14.0;
+static const double LONGEST = 84.0, TITLE = 21.0, POINT = 14.5, KEY = 14.0, ROW = 28.0;
 
 static double scale_of(const struct em_picture_options *o) {
   return fmax(fmin(o->width / 1280.0, o->height / 720.0), LEAST_SCALE);
@@ -142,17 +143,22 @@ static double tick_step(double range) {
 }
 
 static void draw_ticks(const struct paper *p, const struct bar *b, double low, double high) {
-  const double step = tick_step(high - low);
-  const int digits = step < 1.0 ? (int)ceil(-log10(step) - 1e-9) : 0;
-  for (double k = ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) {
-    const double y = b->y + b->h * (1.0 - (k * step - low) / (high - low));
+  enum { MOST = 16, DECIMALS = 5 };
+  const double step = tick_step(high - low), first = ceil(low / step - 1e-9);
+  const int decimals = step < 1.0 ? (int)ceil(-log10(step) - 1e-9) : 0;
+  const double most = fmax(fabs(low), fabs(high));
+  const bool plain = decimals <= DECIMALS && most < 1e7;
+  const int digits = plain ? decimals : 1 + (int)ceil(log10(most / step));
+  for (int j = 0; j < MOST && (first + j) * step <= high + 1e-9 * step; j++) {
+    const double value = (first + j) * step + 0.0;
+    const double y = b->y + b->h * (1.0 - (value - low) / (high - low));
     char text[32];
     ink(p, 0.55);
     cairo_set_line_width(p->c, 1.0);
     cairo_move_to(p->c, b->x + b->w + 2.0, y);
     cairo_rel_line_to(p->c, 5.0, 0.0);
     cairo_stroke(p->c);
-    snprintf(text, sizeof text, "%.*f", digits, k * step + 0.0);
+    snprintf(text, sizeof text, plain ? "%.*f" : "%.*g", digits, value);
     ink(p, 0.80);
     print(p, b->x + b->w + 12.0, y + 5.0, 14.0, false, 0.0, text);
   }
@@ -183,22 +189,33 @@ static void draw_bar(const struct paper *p, const struct em_picture_options *o,
   print(p, b.x - 1.0, b.y - 15.0, 14.0, false, 0.0, spin ? "rad/s" : "m/s");
 }
 
+/* Names with their colours: as many as there is room for. */
 static void draw_swatches(const struct paper *p, const struct em_scene *scene,
                           const struct em_picture_options *o) {
   const bool by_class = o->by == EM_PICTURE_CLASS;
-  const size_t count = by_class ? EM_CLASS_COUNT : scene->species_count;
+  const size_t all = by_class ? EM_CLASS_COUNT : scene->species_count;
+  const size_t room = (size_t)fmin((p->height - 100.0) / ROW, 16.0);
+  const size_t count = all <= room ? all : room;
   const double x = p->width - 150.0;
-  double y = 0.5 * p->height - 14.0 * (double)count;
-  back(p, x - 12.0, y - 52.0, p->width - x, 28.0 * fmin((double)count, 16.0) + 40.0);
+  double y = 0.5 * p->height - 0.5 * ROW * (double)count;
+  back(p, x - 12.0, y - 52.0, p->width - x, ROW * (double)count + 40.0);
   ink(p, 0.92);
   print(p, x, y - 28.0, 15.0, true, 0.0, by_class ? "Last contact" : "Balls");
-  for (size_t k = 0; k < count && k < 16; k++, y += 28.0) {
-    set_colour(p, em_colour_cycle((unsigned)k));
-    cairo_arc(p->c, x + 8.0, y - 5.0, 8.0, 0.0, 2.0 * M_PI);
-    cairo_fill(p->c);
+  for (size_t k = 0; k < count; k++, y += ROW) {
+    char name[EM_SCENE_NAME];
+    if (k + 1 == count && all > count) { /* the last line tells that there are more */
+      snprintf(name, sizeof name, "and %zu more", all - k);
+    } else {
+      snprintf(name, sizeof name, "%s",
+               by_class ? em_contact_class_name((enum em_class)k) : scene->species[k].name);
+      set_colour(p, em_colour_cycle((unsigned)k));
+      cairo_arc(p->c, x + 8.0, y - 5.0, 8.0, 0.0, 2.0 * M_PI);
+      cairo_fill(p->c);
+    }
+    em_letters_clean(name);
+    shorten(p, KEY, false, p->width - 12.0 - x - 26.0, name, sizeof name);
     ink(p, 0.80);
-    print(p, x + 26.0, y, 14.0, false, 0.0,
-          by_class ? em_contact_class_name((enum em_class)k) : scene->species[k].name);
+    print(p, x + 26.0, y, KEY, false, 0.0, name);
   }
 }
 
@@ -225,6 +242,8 @@ static void draw_title(const struct paper *p, const struct em_scene *scene,
   char title[256], point[512];
   snprintf(title, sizeof title, "%s", scene->title);
   em_plot_operating_point(scene, point, 256);
+  em_letters_clean(title);
+  em_letters_clean(point);
   add_choice(scene, o, point, sizeof point);
   shorten(p, TITLE, true, width, title, sizeof title);
   shorten(p, POINT, false, width, point, sizeof point);

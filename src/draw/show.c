@@ -9,6 +9,9 @@
 enum { TRAIL_POINTS = 16384, LEAST_POINTS = 100 };
 static const double SPACING = 0.2;
 
+/* Of the run's last time: what is shorter does not change a time near it. */
+static const double FINEST = 1e-15;
+
 struct point {
   double time;
   struct em_vec place;
@@ -98,7 +101,7 @@ static double step_from(const struct em_show *show, const struct em_balls *balls
     const double way = SPACING * balls->radius[show->options.trail[k]];
     if (speed * step > way) step = way / speed;
   }
-  return fmax(step, show->trail_time / TRAIL_POINTS);
+  return fmax(fmax(step, show->trail_time / TRAIL_POINTS), FINEST * em_show_last(show));
 }
 
 /* Follows the trails up to a time. */

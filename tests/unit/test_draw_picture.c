@@ -123,6 +123,66 @@ static void the_legend_is_on_top(void **state) {
   em_scene_free(scene);
 }
 
+/* A title that is no UTF-8 takes nothing but its own letters away. */
+static void titles_in_another_coding_are_drawn(void **state) {
+  static const char *const title[] = {"title=M\xfchle", "title=M?hle"};
+  static uint8_t rgba[2][BYTES];
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    struct em_scene *scene = draw_scene(DRAW_MILL, 1, &title[k]);
+    struct em_balls *balls = draw_start(scene);
+    const struct em_picture_options o = options_for(scene, balls);
+    draw(scene, &o, balls, rgba[k]);
+    em_start_free(balls);
+    em_scene_free(scene);
+  }
+  assert_memory_equal(rgba[0], rgba[1], BYTES);
+}
+
+/* The legend alone, against the ground: does it leave these pixels free? */
+static bool is_free(const struct em_scene *scene, const struct em_balls *balls,
+                    struct em_picture_options o, int left, int low) {
+  static uint8_t with[BYTES], without[BYTES];
+  o.hide_balls = o.hide_rotor = o.hide_drum = true;
+  o.histogram = false;
+  draw(scene, &o, balls, with);
+  o.hide_legend = true;
+  draw(scene, &o, balls, without);
+  assert_true(difference(with, without) > 100);
+  for (int y = 0; y < low; y++)
+    for (int k = 4 * (WIDTH * y + left); k < 4 * WIDTH * (y + 1); k++)
+      if (abs(with[k] - without[k]) > 4) return false; /* panels are the ground, nearly */
+  return true;
+}
+
+/* However many kinds of balls there are, whatever their names, and whatever the scale. */
+static void the_legend_stays_on_the_picture(void **state) {
+  char kinds[8192] = "chamber = { shape = \"box\"; size = [1.0, 1.0, 1.0]; }; balls = (";
+  (void)state;
+  for (int k = 0; k < 40; k++)
+    snprintf(kinds + strlen(kinds), sizeof kinds - strlen(kinds),
+             "%s{ name = \"a name of balls that is long: %d\"; count = 1; diameter = 0.01; "
+             "density = 1.0; }",
+             k ? ", " : "", k);
+  strcat(kinds, ");");
+  struct em_scene *scene = draw_scene(kinds, 0, NULL);
+  struct em_balls *balls = draw_start(scene);
+  struct em_picture_options o = options_for(scene, balls);
+  o.by = EM_PICTURE_SPECIES;
+  assert_true(is_free(scene, balls, o, WIDTH - 5, HEIGHT));
+  assert_true(is_free(scene, balls, o, 2 * WIDTH / 3, 8));
+  o.by = EM_PICTURE_SPEED;
+  for (double high = 1e-30; high < 1e31; high *= 8e4) {
+    o.high = high;
+    assert_true(is_free(scene, balls, o, WIDTH - 2, HEIGHT));
+  }
+  o.low = 1.0; /* steps that a double cannot make come to an end */
+  o.high = nextafter(1.0, 2.0);
+  assert_true(is_free(scene, balls, o, 2 * WIDTH / 3, 8));
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
 /* A picture of some of the balls says so: it differs even where none is in sight. */
 static void a_choice_is_told(void **state) {
   (void)state;
@@ -303,6 +363,10 @@ static void trails_and_marks_are_complete(void **state) {
   assert_true(length > 0.02);
   assert_true(longest < 0.5 * 0.002);
   em_show_free(show);
+  const struct em_show_options none = {.trail_count = 1, .trail = {7}, .trail_time = 5e-17};
+  assert_int_equal(em_show_new(&show, run, &none, &err), EM_OK);
+  assert_int_equal(em_show_at(show, 0.05, &s, &err), EM_OK); /* comes to an end */
+  em_show_free(show);
   assert_int_equal(em_show_new(&show, run, &marks, &err), EM_OK);
   assert_int_equal(em_show_at(show, 0.05, &s, &err), EM_OK);
   assert_int_equal(s.bead_count, EM_SHOW_MARKS);
@@ -424,6 +488,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_option_shows),
       cmocka_unit_test(the_legend_is_on_top),
+      cmocka_unit_test(titles_in_another_coding_are_drawn),
+      cmocka_unit_test(the_legend_stays_on_the_picture),
       cmocka_unit_test(a_choice_is_told),
       cmocka_unit_test(a_smoother_picture_is_the_same_picture),
       cmocka_unit_test(a_triple_shows_motion),
