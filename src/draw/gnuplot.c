@@ -5,9 +5,11 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "draw/child.h"
+#include "draw/letters.h"
 #include "record/output.h"
 
 static bool is_script(const char *path) {
@@ -64,9 +66,14 @@ enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int
 
 void em_gnuplot_string(struct em_gnuplot *script, const char *text) {
   fputc('\'', script->out);
-  for (const char *c = text != NULL ? text : ""; *c != '\0'; c++) {
+  for (const char *c = text != NULL ? text : ""; *c != '\0';) {
+    const size_t length = em_letters_length(c);
     if (*c == '\'') fputc('\'', script->out);
-    fputc((unsigned char)*c < ' ' ? ' ' : *c, script->out);
+    if (length == 0 || (unsigned char)*c < ' ')
+      fputc(length == 0 ? '?' : ' ', script->out);
+    else
+      fwrite(c, 1, length, script->out);
+    c += length > 0 ? length : 1;
   }
   fputc('\'', script->out);
 }
@@ -107,22 +114,41 @@ void em_gnuplot_title(struct em_gnuplot *script, const char *title, const char *
   }
 }
 
-/* Fills the open file by running gnuplot, or with the script itself. */
-static enum em_status fill(const struct em_output *output, const struct em_gnuplot *script,
-                           const char *path, struct em_error *err) {
+/* Has gnuplot draw into the open file `picture`. */
+static enum em_status run(const struct em_gnuplot *script, int picture, struct em_error *err) {
   static const char *const command[] = {"gnuplot", "-", NULL};
-  if (is_script(path)) {
-    fwrite(script->text, 1, script->size, output->out);
-    return EM_OK;
-  }
   struct em_child child;
-  enum em_status status = em_child_start(&child, command, fileno(output->out), err);
+  enum em_status status = em_child_start(&child, command, picture, err);
   if (status != EM_OK) return status;
   status = em_child_send(&child, script->text, script->size, err);
   if (status == EM_OK) status = em_child_finish(&child, err);
   if (status != EM_OK) em_child_abandon(&child);
-  if (status == EM_OK && output->temporary && lseek(fileno(output->out), 0, SEEK_END) <= 0)
-    status = em_error_set(err, EM_FILE, path, 0, "gnuplot wrote nothing");
+  return status;
+}
+
+/* Copies a picture; errors of the output are seen when it ends. */
+static bool copy(int picture, FILE *out) {
+  char block[1 << 16];
+  off_t at = 0;
+  for (ssize_t got; (got = pread(picture, block, sizeof block, at)) > 0; at += got)
+    fwrite(block, 1, (size_t)got, out);
+  return at > 0;
+}
+
+/* Fills the open file by running gnuplot, or with the script itself. gnuplot does not tell whether
+ * it could write: it draws into memory, and we write. */
+static enum em_status fill(const struct em_output *output, const struct em_gnuplot *script,
+                           const char *path, struct em_error *err) {
+  if (is_script(path)) {
+    fwrite(script->text, 1, script->size, output->out);
+    return EM_OK;
+  }
+  const int picture = memfd_create("picture", MFD_CLOEXEC);
+  if (picture < 0) return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
+  enum em_status status = run(script, picture, err);
+  if (status == EM_OK && !copy(picture, output->out))
+    status = em_error_set(err, EM_PICTURE, path, 0, "gnuplot drew nothing");
+  close(picture);
   return status;
 }
 

@@ -22,7 +22,8 @@ enum em_status em_gnuplot_begin(struct em_gnuplot *script, const char *path, int
 /* Where a diagram below a title ends, in shares of the picture's height. */
 #define EM_GNUPLOT_TOP 0.865
 
-/* Writes a text as a gnuplot string: taken literally, on one line. NULL is empty. */
+/* Writes a text as a gnuplot string: taken literally, on one line, '?' for what is no letter. NULL
+ * is empty. */
 void em_gnuplot_string(struct em_gnuplot *script, const char *text);
 
 /* Names instead of numbers at 0, 1, … of an axis ("x", "y"). */

@@ -60,7 +60,8 @@ static void write_values(struct em_gnuplot *g, const struct em_plot_bars *bars) 
     const double value = bars->value[k];
     const bool more = value >= bars->base;
     const double at = more ? fmax(value, bars->high[k]) : fmin(value, bars->low[k]);
-    fprintf(g->out, fabs(value) < 9.995 ? "set label '%.2f'" : "set label '%.3g'", value);
+    const bool plain = value == 0.0 || (fabs(value) >= 0.095 && fabs(value) < 9.995);
+    fprintf(g->out, plain ? "set label '%.2f'" : "set label '%.3g'", value);
     fprintf(g->out, " at first %.9g, first %zu %s offset %g,0 font ',12' textcolor rgb '#2b2f36'\n",
             at, k, more ? "left" : "right", more ? 0.8 : -0.8);
   }

@@ -10,6 +10,8 @@
 static const double LETTER = 7.4, LINE = 23.5, SAMPLE = 60.0, AROUND = 16.0;
 /* Around it, in shares of the area; wider legends go below the diagram. */
 static const double MARGIN = 0.06, WIDE = 0.3;
+/* A legend below the diagram, in shares of the picture. */
+static const double TALLEST = 0.46, WIDEST = 0.9;
 
 /* The names: how many, and how long. */
 struct names {
@@ -27,12 +29,20 @@ static struct names names_of(const struct em_plot *plot) {
   return n;
 }
 
-/* rows: their height, in shares of the picture. */
-static void put_below(struct em_gnuplot *script, double rows) {
+/* One name below the other, as small as it takes. (Of a vertical legend, gnuplot makes more columns
+ * where it is taller than the diagram.) */
+static void put_below(struct em_gnuplot *script, const struct em_plot *plot,
+                      const struct names *names) {
+  const double width = plot->width > 0 ? plot->width : 1200;
+  const double height = plot->height > 0 ? plot->height : 750;
+  const double row = LINE / height, lines = row * (double)names->count;
+  const double size =
+      fmin(1.0, fmin(TALLEST / lines, WIDEST * width / (LETTER * names->longest + SAMPLE)));
   fprintf(script->out,
           "set bmargin at screen %.3f\n"
-          "set key at screen 0.07, screen %.3f left top Left reverse vertical maxcols 1\n",
-          fmin(rows + 0.14, 0.6), rows + 0.03);
+          "set key at screen 0.07, screen %.3f left top Left reverse horizontal maxcols 1 "
+          "font ',%.3g' spacing %g\n",
+          size * lines + 0.14, size * lines + 0.03, 12.0 * size, size < 1.0 ? 1.05 : 1.25);
 }
 
 void em_plot_key(struct em_gnuplot *script, const struct em_plot *plot, double ground) {
@@ -57,7 +67,7 @@ void em_plot_key(struct em_gnuplot *script, const struct em_plot *plot, double g
   const bool outside = corner == 4 && !texts, below = outside && w > WIDE;
   if (!outside || below) fprintf(script->out, "set rmargin %d\n", second ? 10 : 4);
   if (below)
-    put_below(script, LINE * (double)names.count / (plot->height > 0 ? plot->height : 750));
+    put_below(script, plot, &names);
   else if (outside)
     fputs("set key outside right top Left reverse\n", script->out);
   else

@@ -7,6 +7,10 @@
 #include "eventmill/plot.h"
 #include "num/locale.h"
 
+/* Values that differ by less than this share are alike: their difference is rounding, and gnuplot
+ * does not tell them apart. */
+static const double ALIKE = 1e-6;
+
 static bool is_shown(const struct em_plot_map *map, double value) {
   return isfinite(value) && (!map->log_value || value > 0.0);
 }
@@ -35,8 +39,9 @@ static bool range_of(const struct em_plot_map *map, double *low, double *high) {
     *high = fmax(fabs(*low), fabs(*high));
     *low = -*high;
   }
-  if (!(*low < *high)) { /* all alike */
-    const double room = *low != 0.0 ? 0.1 * fabs(*low) : 1.0;
+  const double size = fmax(fabs(*low), fabs(*high));
+  if (!(*high - *low > ALIKE * size)) {
+    const double room = size > 0.0 ? 0.1 * size : 1.0;
     *low -= room;
     *high += room;
   }
@@ -160,8 +165,9 @@ enum em_status em_plot_map(const struct em_plot_map *map, const char *path, stru
         "set bmargin at screen 0.10\n"
         "set lmargin at screen 0.11\nset rmargin at screen 0.82\n"
         "set pm3d explicit corners2color c1\n"
-        /* Twice: the smoothed edges of neighbours let the ground through. */
-        "splot $cells using 1:2:3 with pm3d, $cells using 1:2:3 with pm3d\n",
+        /* Values are colours alone: as heights, the lowest of a narrow range would be left out.
+           Twice: the smoothed edges of neighbours let the ground through. */
+        "splot $cells using 1:2:(0):3 with pm3d, $cells using 1:2:(0):3 with pm3d\n",
         g.out);
   return em_gnuplot_end(&g, path, err);
 }

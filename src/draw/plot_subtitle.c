@@ -52,9 +52,11 @@ static void add_speeds(struct line *line, const struct em_scene *scene) {
 }
 
 static void add_balls(struct line *line, const struct em_scene *scene) {
-  for (size_t k = 0; k < scene->species_count && k < 4; k++)
+  enum { MOST = 4 };
+  for (size_t k = 0; k < scene->species_count && k < MOST; k++)
     add(line, "%s%zu ball%s of %g mm", k > 0 ? " · " : "", scene->species[k].count,
         scene->species[k].count == 1 ? "" : "s", 1e3 * scene->species[k].diameter);
+  if (scene->species_count > MOST) add(line, " · …");
 }
 
 /* A part of all scenes: once what they have in common, else side by side. */

@@ -12,10 +12,13 @@ static double even_step(double range) {
 }
 
 static void write_even(FILE *out, double low, double high) {
-  const double step = even_step(high - low);
+  enum { MOST = 16 };
+  const double step = even_step(high - low), first = ceil(low / step - 1e-9);
+  const int digits = 1 + (int)ceil(log10(high / step));
   const char *between = "";
-  for (double k = ceil(low / step - 1e-9); k * step <= high * (1.0 + 1e-9); k += 1.0) {
-    fprintf(out, "%s'%.6g' %.9g", between, k * step, k * step);
+  for (int k = 0; k < MOST && (first + k) * step <= high + 1e-9 * step; k++) {
+    const double at = (first + k) * step;
+    fprintf(out, "%s'%.*g' %.17g", between, digits, at, at);
     between = ", ";
   }
 }

@@ -55,6 +55,8 @@ static void all_styles_are_drawn(void **state) {
     }
 }
 
+static bool is_written(const struct em_plot *plot, const char *text);
+
 /* A text that would break out of its string would make gnuplot write this file. */
 static void texts_are_taken_literally(void **state) {
   char evil[512];
@@ -84,6 +86,25 @@ static void texts_are_taken_literally(void **state) {
   assert_int_equal(w, 400);
   assert_int_equal(h, 300);
   assert_int_not_equal(access(trap, F_OK), 0);
+}
+
+/* gnuplot takes what is no UTF-8 for something else, and draws nothing or too much. */
+static void texts_in_another_coding_are_drawn(void **state) {
+  static const struct {
+    const char *given, *drawn;
+  } text[] = {{"M\xfchle", "'M?hle'"},
+              {"Mühle · ½ … €", "'Mühle · ½ … €'"},
+              {"cut \xe2\x80", "'cut ?\?'"},
+              {"\xc0\xaf\xed\xa0\x80\xf4\x90\x80\x80", "'?\?\?\?\?\?\?\?\?'"},
+              {"\xf0\x9f\x98\x80\xff", "'\xf0\x9f\x98\x80?'"}};
+  const struct em_plot_series s = {.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = height};
+  struct em_error err = {0};
+  (void)state;
+  for (size_t k = 0; k < sizeof text / sizeof *text; k++) {
+    const struct em_plot plot = {.title = text[k].given, .series_count = 1, .series = &s};
+    assert_true(is_written(&plot, text[k].drawn));
+    assert_int_equal(em_plot_draw(&plot, draw_path("coding.png"), &err), EM_OK);
+  }
 }
 
 static void scripts_can_be_run(void **state) {
@@ -177,6 +198,7 @@ static void the_legend_lies_on_no_curve(void **state) {
   struct em_plot_series s[2] = {
       {.name = "one", .style = EM_PLOT_LINE, .count = 4, .x = x, .y = low}};
   struct em_plot plot = {.series_count = 1, .series = s};
+  struct em_error err = {0};
   (void)state;
   assert_true(is_written(&plot, "set key top left"));
   s[0].y = rises;
@@ -188,6 +210,27 @@ static void the_legend_lies_on_no_curve(void **state) {
   assert_true(is_written(&plot, "set key outside right top"));
   s[0].name = "a name that is as long as that of a mill with its balls, its drum and its speed";
   assert_true(is_written(&plot, "set key at screen"));
+  /* However many, one below the other. */
+  struct em_plot_series many[32];
+  for (int k = 0; k < 32; k++)
+    many[k] = (struct em_plot_series){
+        .name = s[0].name, .style = EM_PLOT_LINE, .count = 4, .x = x, .y = k % 2 ? all : down};
+  plot.series = many;
+  for (plot.series_count = 2; plot.series_count <= 32; plot.series_count += 10) {
+    double margin, top, font;
+    assert_int_equal(em_plot_draw(&plot, draw_path("many.gp"), &err), EM_OK);
+    char *script = read_script(draw_path("many.gp"));
+    const char *below = strstr(script, "set bmargin at screen ");
+    assert_non_null(below);
+    assert_int_equal(sscanf(below,
+                            "set bmargin at screen %lf\nset key at screen 0.07, screen %lf left "
+                            "top Left reverse horizontal maxcols 1 font ',%lf'",
+                            &margin, &top, &font),
+                     3);
+    assert_true(top < margin && margin <= 0.61);
+    assert_true(font * (double)plot.series_count * 1.95 <= 750.0 * top);
+    free(script);
+  }
 }
 
 /* The name of a line moves to its other end when a curve crosses it; error bars below 0 do not take
@@ -253,6 +296,38 @@ static void colour_bars_can_be_read(void **state) {
   }
 }
 
+/* Values that differ by rounding are alike: ticks at steps that a double cannot make have no end,
+ * and gnuplot draws no such range. */
+static void rounding_is_no_range(void **state) {
+  static const double size[] = {1e-300, 1.0, 1e300};
+  struct em_error err = {0};
+  (void)state;
+  for (int k = 0; k < 6; k++) {
+    const double low = size[k / 2];
+    const struct em_plot_cell cell[] = {{{0, 0}, {1, 1}, low},
+                                        {{1, 0}, {2, 1}, nextafter(low, INFINITY)}};
+    const struct em_plot_map map = {.cell_count = 2, .cell = cell, .log_value = k % 2};
+    assert_int_equal(em_plot_map(&map, draw_path("alike.png"), &err), EM_OK);
+  }
+  const double x[] = {1.0, 2.0}, y[] = {1.0, 1.0};
+  const struct em_plot_series s = {.style = EM_PLOT_LINE, .count = 2, .x = x, .y = y};
+  const struct em_plot plot = {
+      .log_y = true, .y_low = 1.0, .y_high = nextafter(1.0, 2.0), .series_count = 1, .series = &s};
+  assert_true(is_written(&plot, "set ytics ("));
+}
+
+/* gnuplot does not tell that a disk is full. */
+static void a_full_disk_is_told(void **state) {
+  const struct em_plot_series s = {.style = EM_PLOT_LINE, .count = 4, .x = edge, .y = height};
+  const struct em_plot plot = {.series_count = 1, .series = &s};
+  struct em_error err = {0};
+  (void)state;
+  const char *path = draw_path("full.png");
+  assert_int_equal(symlink("/dev/full", path), 0);
+  assert_int_equal(em_plot_draw(&plot, path, &err), EM_FILE);
+  unlink(path);
+}
+
 /* One bar ten times as long as the others leaves them readable: by an axis of logarithms, and by
  * their values. */
 static void bars_are_readable(void **state) {
@@ -285,6 +360,11 @@ static void bars_are_readable(void **state) {
     assert_non_null(strstr(script, "'it''s 100 %% long' 1"));
     free(script);
   }
+  value[0] = low[0] = high[0] = 0.00123;
+  assert_int_equal(em_plot_bars(&bars, draw_path("bars.gp"), &err), EM_OK);
+  char *small = read_script(draw_path("bars.gp"));
+  assert_non_null(strstr(small, "set label '0.00123'"));
+  free(small);
   bars.count = 0;
   assert_int_equal(em_plot_bars(&bars, draw_path("none.png"), &err), EM_INPUT);
 }
@@ -357,6 +437,16 @@ static void the_subtitle_tells_the_operating_point(void **state) {
   assert_string_equal(text, "small mill · 2000 rpm / 3000 rpm · 150 balls of 4 mm");
   em_scene_free(two[0]);
   em_scene_free(two[1]);
+  /* That there are more kinds of balls is told. */
+  char kinds[512] = "chamber = { shape = \"box\"; size = [1.0, 1.0, 1.0]; }; balls = (";
+  for (int k = 0; k < 5; k++)
+    snprintf(kinds + strlen(kinds), sizeof kinds - strlen(kinds),
+             "%s{ name = \"%d\"; count = 1; diameter = 0.01; density = 1.0; }", k ? ", " : "", k);
+  strcat(kinds, ");");
+  scene = draw_scene(kinds, 0, NULL);
+  em_plot_operating_point(scene, text, sizeof text);
+  assert_non_null(strstr(text, "1 ball of 10 mm · …"));
+  em_scene_free(scene);
   /* A long title leaves room for the rest, and is cut between letters. */
   char title[400] = "title=", whole[256];
   for (int k = 0; k < 100; k++)
@@ -378,11 +468,14 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(all_styles_are_drawn),
       cmocka_unit_test(texts_are_taken_literally),
+      cmocka_unit_test(texts_in_another_coding_are_drawn),
       cmocka_unit_test(scripts_can_be_run),
       cmocka_unit_test(the_legend_lies_on_no_curve),
       cmocka_unit_test(names_of_lines_are_free),
       cmocka_unit_test(many_curves_can_be_told_apart),
       cmocka_unit_test(colour_bars_can_be_read),
+      cmocka_unit_test(rounding_is_no_range),
+      cmocka_unit_test(a_full_disk_is_told),
       cmocka_unit_test(words_do_not_overlap),
       cmocka_unit_test(bars_are_readable),
       cmocka_unit_test(maps_are_drawn),
