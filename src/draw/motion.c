@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A place through which a ball's centre went: at a contact. */
+/* A place through which a ball's centre went: at a contact. In a periodic box, places of one ball
+ * are those of one unbroken path, which leaves the box. */
 struct knot {
   double time;
   struct em_vec place;
@@ -21,6 +22,10 @@ enum {
   MOST_ROWS = 20000000, /* between two frames; beyond that the table is left alone */
   MOST_BACK = 4000000   /* rows in which last contacts are looked for */
 };
+
+/* Of a periodic box: a way that is longer tells the velocity, although places are stored in single
+ * precision. */
+static const double SEEN = 1e-3;
 
 struct em_motion {
   const struct em_run_file *file;
@@ -142,16 +147,33 @@ static enum em_status find_row(struct em_motion *m, double time, uint64_t *row,
   return EM_OK;
 }
 
+/* d, brought to the nearest image where the box is periodic. */
+static struct em_vec nearest(const struct em_scene *scene, struct em_vec d) {
+  if (scene->chamber.shape != EM_SHAPE_BOX) return d;
+  const struct em_vec size = scene->chamber.size;
+  if (scene->chamber.periodic[0]) d.x -= size.x * round(d.x / size.x);
+  if (scene->chamber.periodic[1]) d.y -= size.y * round(d.y / size.y);
+  if (scene->chamber.periodic[2]) d.z -= size.z * round(d.z / size.z);
+  return d;
+}
+
 /* One contact more, until the interval's knots are sorted by ball. */
 struct pending {
   uint32_t ball;
   struct knot knot;
 };
 
+/* A ball on its path through the images of a periodic box, just after its last contact. */
+struct walker {
+  double time;
+  struct em_vec place, velocity, spin;
+};
+
 struct gather {
   struct em_motion *motion;
   size_t count, room;
   struct pending *pending;
+  struct walker *walker; /* one per ball; NULL: the box is not periodic */
 };
 
 static bool add_knot(struct gather *g, uint32_t ball, const struct knot *knot) {
@@ -179,6 +201,59 @@ static bool add_mark(struct em_motion *m, const struct mark *mark) {
   return true;
 }
 
+static bool is_periodic(const struct em_chamber *c) {
+  return c->shape == EM_SHAPE_BOX && (c->periodic[0] || c->periodic[1] || c->periodic[2]);
+}
+
+static bool start_walkers(struct gather *g) {
+  const struct em_motion *m = g->motion;
+  if (!is_periodic(&m->scene->chamber)) return true;
+  g->walker = calloc(m->balls->count, sizeof *g->walker);
+  for (size_t k = 0; g->walker != NULL && k < m->balls->count; k++)
+    g->walker[k] =
+        (struct walker){m->begin, m->from->position[k], m->from->velocity[k], m->from->spin[k]};
+  return g->walker != NULL;
+}
+
+/* Goes on to a contact, and chooses its image: the one that is nearest to where the ball flies. */
+static void walk(struct walker *w, const struct em_scene *scene, struct knot *knot) {
+  const double span = knot->time - w->time, size = em_vec_norm(scene->chamber.size);
+  const struct em_vec fall = em_vec_scale(span, scene->gravity);
+  const struct em_vec way = em_vec_scale(span, em_vec_axpy(w->velocity, 0.5, fall));
+  const struct em_vec place = em_vec_add(w->place, way);
+  knot->place = em_vec_add(place, nearest(scene, em_vec_sub(knot->place, place)));
+  const struct em_vec gone = em_vec_sub(knot->place, w->place);
+  if (em_vec_norm(gone) > SEEN * size)
+    w->velocity = em_vec_axpy(em_vec_scale(1.0 / span, gone), -0.5, fall);
+  w->velocity = em_vec_add(w->velocity, fall);
+  w->place = knot->place;
+  w->time = knot->time;
+}
+
+/* Velocities and spins after a contact, by its rule; j: the partner, NULL: a wall, or a blade,
+ * which stands still in a periodic box. e: from the partner to ball i. */
+static void collide(const struct em_motion *m, struct walker *w, uint32_t i, const uint32_t *j,
+                    enum em_class cls, struct em_vec e) {
+  const struct em_contact_law *law = &m->scene->contact[cls];
+  const double *mass = m->balls->mass, *radius = m->balls->radius;
+  struct em_vec g = em_vec_axpy(w[i].velocity, -radius[i], em_vec_cross(w[i].spin, e));
+  if (j != NULL) {
+    g = em_vec_sub(g, w[*j].velocity);
+    g = em_vec_axpy(g, -radius[*j], em_vec_cross(w[*j].spin, e));
+  }
+  if (!(em_vec_dot(g, e) < 0.0)) return; /* a touch, for all that single precision knows */
+  const double m_eff = j != NULL ? mass[i] * mass[*j] / (mass[i] + mass[*j]) : mass[i];
+  const struct em_impulse p = em_contact_impulse(law, m_eff, e, g, false, false);
+  const struct em_vec all = em_vec_add(p.normal, p.tangential);
+  const struct em_vec turn = em_vec_cross(e, p.tangential);
+  w[i].velocity = em_vec_axpy(w[i].velocity, 1.0 / mass[i], all);
+  w[i].spin = em_vec_axpy(w[i].spin, em_contact_spin_factor(law->rule, mass[i], radius[i]), turn);
+  if (j == NULL) return;
+  w[*j].velocity = em_vec_axpy(w[*j].velocity, -1.0 / mass[*j], all);
+  w[*j].spin =
+      em_vec_axpy(w[*j].spin, em_contact_spin_factor(law->rule, mass[*j], radius[*j]), turn);
+}
+
 static bool take_row(struct gather *g, size_t k) {
   struct em_motion *m = g->motion;
   const struct em_rows *r = m->rows;
@@ -189,11 +264,17 @@ static bool take_row(struct gather *g, size_t k) {
   const uint32_t i = r->ball[k], j = r->partner[k];
   if (m->memory > 0.0 && !add_mark(m, &(struct mark){r->time[k], place, r->cls[k]})) return false;
   if (r->time[k] < m->begin || i >= m->balls->count) return true;
-  struct knot knot = {r->time[k], em_vec_axpy(place, m->balls->radius[i], normal), r->cls[k]};
-  if (!add_knot(g, i, &knot)) return false;
-  if (r->cls[k] != EM_CLASS_BALL || j >= m->balls->count) return true;
-  knot.place = em_vec_axpy(place, -m->balls->radius[j], normal);
-  return add_knot(g, j, &knot);
+  const double *radius = m->balls->radius;
+  const bool pair = r->cls[k] == EM_CLASS_BALL && j < m->balls->count;
+  struct knot one = {r->time[k], em_vec_axpy(place, radius[i], normal), r->cls[k]}, other = one;
+  if (pair) other.place = em_vec_axpy(place, -radius[j], normal);
+  if (g->walker != NULL) {
+    walk(&g->walker[i], m->scene, &one);
+    if (pair) walk(&g->walker[j], m->scene, &other);
+    if (r->cls[k] < EM_CLASS_COUNT)
+      collide(m, g->walker, i, pair ? &j : NULL, (enum em_class)r->cls[k], normal);
+  }
+  return add_knot(g, i, &one) && (!pair || add_knot(g, j, &other));
 }
 
 /* All contacts of the interval, and those before it that are still remembered. */
@@ -289,9 +370,10 @@ static enum em_status load(struct em_motion *m, size_t interval, struct em_error
   if (m->rows != NULL && !follows) status = look_back(m, err);
   if (m->rows != NULL && status == EM_OK) {
     struct gather g = {.motion = m};
-    status = read_rows(&g, err);
+    status = start_walkers(&g) ? read_rows(&g, err) : no_memory(err);
     if (status == EM_OK && !sort_knots(m, &g)) status = no_memory(err);
     free(g.pending);
+    free(g.walker);
   }
   if (status == EM_OK) m->interval = interval;
   return status;
@@ -313,16 +395,6 @@ enum em_status em_motion_seek(struct em_motion *motion, double time, struct em_e
       motion->blade[n] = fmod(blade->angle + blade->omega * t, 2.0 * M_PI);
     }
   return EM_OK;
-}
-
-/* d, brought to the nearest image where the box is periodic. */
-static struct em_vec nearest(const struct em_scene *scene, struct em_vec d) {
-  if (scene->chamber.shape != EM_SHAPE_BOX) return d;
-  const struct em_vec size = scene->chamber.size;
-  if (scene->chamber.periodic[0]) d.x -= size.x * round(d.x / size.x);
-  if (scene->chamber.periodic[1]) d.y -= size.y * round(d.y / size.y);
-  if (scene->chamber.periodic[2]) d.z -= size.z * round(d.z / size.z);
-  return d;
 }
 
 static double within(double x, double low, double high) {
@@ -369,7 +441,10 @@ static void cubic(const struct em_motion *m, size_t ball, struct em_vec *positio
   *velocity = v;
   if (span <= 0.0) return;
   const double u = (m->time - m->begin) / span;
-  const struct em_vec d = nearest(m->scene, em_vec_sub(m->to->position[ball], p));
+  /* The image that is nearest to where both velocities lead. */
+  const struct em_vec even = em_vec_scale(0.5 * span, em_vec_add(v, w));
+  const struct em_vec rest = em_vec_sub(em_vec_sub(m->to->position[ball], p), even);
+  const struct em_vec d = em_vec_add(even, nearest(m->scene, rest));
   const double way = em_vec_norm(d);
   const struct em_vec a = shortened(v, way, span), b = shortened(w, way, span);
   struct em_vec q = em_vec_axpy(p, u * u * (3.0 - 2.0 * u), d);
@@ -415,7 +490,7 @@ static void flight(const struct em_motion *m, size_t ball, struct em_vec *positi
     since = m->time - before->time;
     v = m->from->velocity[ball];
     if (span > 0.0) {
-      const struct em_vec d = nearest(m->scene, em_vec_sub(after->place, p));
+      const struct em_vec d = em_vec_sub(after->place, p);
       v = em_vec_axpy(em_vec_scale(1.0 / span, d), -0.5 * span, g);
     }
   }

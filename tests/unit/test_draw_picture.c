@@ -281,12 +281,69 @@ static void bad_pictures_are_refused(void **state) {
   em_scene_free(scene);
 }
 
-static void record(const char *path, size_t count, const char *const *overrides) {
-  struct em_scene *scene = draw_scene(DRAW_MILL, count, overrides);
+static void record_of(const char *text, const char *path, size_t count,
+                      const char *const *overrides) {
+  struct em_scene *scene = draw_scene(text, count, overrides);
   const struct em_recorder_options o = {.path = path, .force = true, .command = "test"};
   struct em_error err = {0};
   if (em_recorder_run(scene, &o, NULL, NULL, &err) != EM_OK) fail_msg("%s", err.text);
   em_scene_free(scene);
+}
+
+static void record(const char *path, size_t count, const char *const *overrides) {
+  record_of(DRAW_MILL, path, count, overrides);
+}
+
+/* The furthest that the paths of a run in a box of this edge, periodic along all directions, are
+ * from the frames of another. */
+static double furthest(const char *sparse, const char *dense, double edge) {
+  struct em_run_file *a, *b;
+  struct em_error err = {0};
+  struct em_motion *motion;
+  struct em_balls *frame;
+  double worst = 0.0;
+  assert_int_equal(em_run_file_open(&a, sparse, &err), EM_OK);
+  assert_int_equal(em_run_file_open(&b, dense, &err), EM_OK);
+  assert_int_equal(em_motion_new(&motion, a, 0.0, &err), EM_OK);
+  assert_int_equal(em_run_file_balls(b, &frame, &err), EM_OK);
+  for (size_t k = 0; k < em_run_file_frame_count(b); k++) {
+    assert_int_equal(em_run_file_frame(b, k, frame, &err), EM_OK);
+    assert_int_equal(em_motion_seek(motion, em_run_file_frame_time(b, k), &err), EM_OK);
+    const struct em_balls *balls = em_motion_balls(motion);
+    for (size_t n = 0; n < frame->count; n++)
+      for (int x = 0; x < 3; x++)
+        worst = fmax(worst, fabs(remainder(em_vec_component(balls->position[n], x) -
+                                               em_vec_component(frame->position[n], x),
+                                           edge)));
+  }
+  em_motion_free(motion);
+  em_start_free(frame);
+  em_run_file_close(a);
+  em_run_file_close(b);
+  return worst;
+}
+
+/* Between two contacts, or two frames, a ball goes through a periodic box more than once. */
+static void paths_through_periodic_boxes_are_exact(void **state) {
+  static const char box[] =
+      "duration = 1.0; gravity = \"none\"; chamber = { shape = \"box\"; size = [0.1, 0.1, 0.1];\n"
+      "periodic = true; }; balls = { count = 30; diameter = 0.01; density = 1000.0; speed = 2.0; "
+      "};\n"
+      "contact = { rule = \"rough\"; normal = 0.95; tangential = 0.5; };";
+  static const char *const few[] = {"record.frames=1", "record.collisions=true"};
+  static const char *const many[] = {"record.frames=500"};
+  static const char *const alone[] = {"record.frames=10", "balls.count=1", "balls.start=table",
+                                      "balls.table=([0.05, 0.05, 0.05, 1.0, -2.0, 3.7])"};
+  (void)state;
+  const char *sparse = draw_path("few.h5"), *dense = draw_path("many.h5");
+  record_of(box, sparse, 2, few);
+  record_of(box, dense, 1, many);
+  assert_true(furthest(sparse, dense, 0.1) < 5e-8);
+  record_of(box, sparse, 4, alone); /* without a table */
+  static const char *const often[] = {"record.frames=500", "balls.count=1", "balls.start=table",
+                                      "balls.table=([0.05, 0.05, 0.05, 1.0, -2.0, 3.7])"};
+  record_of(box, dense, 4, often);
+  assert_true(furthest(sparse, dense, 0.1) < 1e-9);
 }
 
 /* Paths from few frames and the collision table, against the many frames of the same run. */
@@ -495,6 +552,7 @@ int main(void) {
       cmocka_unit_test(a_triple_shows_motion),
       cmocka_unit_test(bad_pictures_are_refused),
       cmocka_unit_test(paths_between_frames_are_exact),
+      cmocka_unit_test(paths_through_periodic_boxes_are_exact),
       cmocka_unit_test(trails_and_marks_are_complete),
       cmocka_unit_test(paths_without_a_table_stay_inside),
       cmocka_unit_test(corners_of_facets_are_shown),

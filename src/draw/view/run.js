@@ -90,7 +90,10 @@ class Run {
     for (let a = 0; a < 3; a++) {
       const j = 3 * i + a;
       let d = (q[j] - p[j]) * this.step[a];
-      if (this.periodic[a]) d -= this.size[a] * Math.round(d / this.size[a]);
+      if (this.periodic[a]) { // the image that is nearest to where both velocities lead
+        const even = 0.5 * span * (sv * v[j] + sz * z[j]);
+        d -= this.size[a] * Math.round((d - even) / this.size[a]);
+      }
       way += d * d;
       before += v[j] * v[j];
       after += z[j] * z[j];
