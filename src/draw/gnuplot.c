@@ -135,29 +135,28 @@ static bool copy(int picture, FILE *out) {
   return at > 0;
 }
 
-/* Fills the open file by running gnuplot, or with the script itself. gnuplot does not tell whether
- * it could write: it draws into memory, and we write. */
-static enum em_status fill(const struct em_output *output, const struct em_gnuplot *script,
-                           const char *path, struct em_error *err) {
-  if (is_script(path)) {
-    fwrite(script->text, 1, script->size, output->out);
-    return EM_OK;
-  }
+/* Writes a picture, or where there is none the script itself. */
+static enum em_status write_file(const struct em_gnuplot *script, int picture, const char *path,
+                                 struct em_error *err) {
+  struct em_output output;
+  enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
+  if (status != EM_OK) return status;
+  if (picture < 0)
+    fwrite(script->text, 1, script->size, output.out);
+  else if (!copy(picture, output.out))
+    status = em_error_set(err, EM_PICTURE, path, 0, "gnuplot drew nothing");
+  return em_output_end(&output, status, err);
+}
+
+/* gnuplot does not tell whether it could write: it draws into memory, and we write. */
+static enum em_status draw(const struct em_gnuplot *script, const char *path,
+                           struct em_error *err) {
   const int picture = memfd_create("picture", MFD_CLOEXEC);
   if (picture < 0) return em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
   enum em_status status = run(script, picture, err);
-  if (status == EM_OK && !copy(picture, output->out))
-    status = em_error_set(err, EM_PICTURE, path, 0, "gnuplot drew nothing");
+  if (status == EM_OK) status = write_file(script, picture, path, err);
   close(picture);
   return status;
-}
-
-static enum em_status write_file(const struct em_gnuplot *script, const char *path,
-                                 struct em_error *err) {
-  struct em_output output;
-  const enum em_status status = em_output_begin(&output, path, EM_OUTPUT_STREAM, err);
-  if (status != EM_OK) return status;
-  return em_output_end(&output, fill(&output, script, path, err), err);
 }
 
 enum em_status em_gnuplot_end(struct em_gnuplot *script, const char *path, struct em_error *err) {
@@ -165,7 +164,7 @@ enum em_status em_gnuplot_end(struct em_gnuplot *script, const char *path, struc
   if (fclose(script->out) != 0)
     status = em_error_set(err, EM_MEMORY, path, 0, "no memory for a diagram");
   else
-    status = write_file(script, path, err);
+    status = is_script(path) ? write_file(script, -1, path, err) : draw(script, path, err);
   free(script->text);
   return status;
 }

@@ -44,6 +44,7 @@ static int finish(const struct em_command_program *program, int code) {
 int em_command_main(const struct em_command_program *program, int argc, char **argv) {
   gsl_set_error_handler_off(); /* statuses are checked where they are returned */
   signal(SIGXFSZ, SIG_IGN);    /* so that a limit is an error of writing, and tidied up after */
+  signal(SIGCHLD, SIG_DFL);    /* ignored, as some parents leave it, it hides how programs end */
   if (argc < 2) {
     print_help(program, stderr);
     return USAGE;

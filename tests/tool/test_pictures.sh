@@ -130,4 +130,18 @@ for command in "frame --size 64x64 -o $work/x.png" "film --size 64x64 -o $work/x
   rm -f "$work"/x[.-]*
 done
 
+# ---------------------------------------------------------------- diagrams
+# A parent that ignores how its children end leaves that to us.
+ignoring=(/usr/bin/python3 -c 'import os, signal, sys
+signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+os.execvp(sys.argv[1], sys.argv[1:])')
+expect 0 "" "a diagram under a parent that ignores children" "${ignoring[@]}" "$post" hist "$run" -o "$work/child.png"
+expect 0 "" "and a film" "${ignoring[@]}" "$post" film "$run" --size 64x64 --quiet -o "$work/child.mp4"
+# Nothing is left of a diagram that is ended while it is drawn.
+mkdir "$work/slow"
+printf '#!/bin/sh\nexec sleep 5\n' >"$work/slow/gnuplot"
+chmod +x "$work/slow/gnuplot"
+PATH=$work/slow:$PATH timeout 1 "$post" hist "$run" -o "$work/ended.png" >"$work/out" 2>"$work/err"
+is "a diagram that is ended" 124 $?
+is "leaves nothing" 0 "$(find "$work" -name 'ended*' | wc -l)"
 finish
