@@ -143,10 +143,17 @@ static void put_names(FILE *out, const struct em_scene *scene) {
     put_text(out, em_contact_class_name((enum em_class)k));
   }
   fprintf(out, "],\"speciesNames\":[");
-  for (size_t k = 0; k < scene->species_count && k <= UINT8_MAX; k++) {
+  for (size_t k = 0; k < scene->species_count; k++) {
     if (k > 0) putc(',', out);
     put_text(out, scene->species[k].name);
   }
+  fprintf(out, "],\n");
+}
+
+static void put_radii(FILE *out, const struct em_scene *scene) {
+  fprintf(out, "\"radii\":[");
+  for (size_t k = 0; k < scene->species_count; k++)
+    fprintf(out, "%s%.12g", k ? "," : "", 0.5 * scene->species[k].diameter);
   fprintf(out, "],\n");
 }
 
@@ -169,19 +176,13 @@ static void put_colours(FILE *out) {
 
 static void put_head(FILE *out, const struct page *page) {
   const struct em_view_frames *f = page->frames;
-  double radius[UINT8_MAX + 1] = {0.0};
-  for (size_t k = 0; k < f->balls; k++) {
-    const size_t b = f->chosen[k];
-    radius[page->balls->species[b] & UINT8_MAX] = page->balls->radius[b];
-  }
-  const size_t kinds = page->scene->species_count;
   fprintf(out, "{\"count\":%zu,\"total\":%zu,\"limited\":%s,\"dark\":%s,\n", f->balls, f->total,
           f->balls < f->total ? "true" : "false", page->dark ? "true" : "false");
   put_titles(out, page->scene);
   put_chamber(out, page->scene);
   put_blades(out, page->scene);
   put_shafts(out, page->scene);
-  put_numbers(out, "radii", radius, kinds <= UINT8_MAX + 1 ? kinds : UINT8_MAX + 1);
+  put_radii(out, page->scene);
   fprintf(out, "\"scaleLow\":%.9g,\"scaleHigh\":%.9g,\"spinHigh\":%.9g,\n", page->low, page->high,
           em_picture_spin_scale(page->balls));
   put_names(out, page->scene);
@@ -192,15 +193,19 @@ static void put_head(FILE *out, const struct page *page) {
   putc('}', out);
 }
 
+/* 16 bits for each ball, the low byte first. */
 static void put_species(FILE *out, const struct page *page) {
   enum { ROOM = 3 * 1024 }; /* only the last piece of base64 may end within three bytes */
   const struct em_view_frames *f = page->frames;
-  uint8_t species[ROOM];
+  uint8_t species[2 * ROOM];
   for (size_t first = 0; first < f->balls; first += ROOM) {
     const size_t count = f->balls - first < ROOM ? f->balls - first : ROOM;
-    for (size_t k = 0; k < count; k++)
-      species[k] = (uint8_t)page->balls->species[f->chosen[first + k]];
-    put_base64(out, species, count);
+    for (size_t k = 0; k < count; k++) {
+      const unsigned kind = page->balls->species[f->chosen[first + k]];
+      species[2 * k] = (uint8_t)(kind & 0xff);
+      species[2 * k + 1] = (uint8_t)(kind >> 8);
+    }
+    put_base64(out, species, 2 * count);
   }
 }
 

@@ -40,6 +40,21 @@ expect 0 "" "or up to 4 m/s" "$post" view "$run" --scale 4 --max-balls 100 -o "$
 is "from 0 on" 1 "$(grep -c '"scaleLow":0,"scaleHigh":4,' "$work/scale.html")"
 expect 2 "is not LOW:HIGH" "but not down" "$post" view "$run" --scale 4:1 -o "$work/scale.html"
 
+# More kinds of balls than a byte can tell.
+{ echo 'duration=0.01; chamber={shape="box"; size=[0.1,0.1,0.1];}; record={frames=100.0;}; balls=('
+  for k in {0..299}; do echo "$([ "$k" = 0 ] || echo ,){name=\"$k\"; count=1; density=1.0; diameter=0.001$((100 + k));}"; done
+  echo ');'; } >"$work/kinds.cfg"
+"$bin/mill" run "$work/kinds.cfg" --quiet -o "$work/kinds.h5" >"$work/out" || exit 2
+expect 0 "" "a page of 300 kinds of balls" "$post" view "$work/kinds.h5" -o "$work/kinds.html"
+check "has the size of each ball" /usr/bin/python3 - "$work/kinds.html" <<'PY'
+import array, base64, json, re, sys
+page = open(sys.argv[1]).read()
+part = lambda name: re.search(f'id="{name}">(.*?)</script>', page, re.S)[1]
+head, kind = json.loads(part("head")), array.array("H", base64.b64decode(part("species")))
+assert list(kind) == list(range(300)) and len(head["speciesNames"]) == 300
+assert all(abs(r - (0.001100 + 1e-6 * k) / 2) < 1e-12 for k, r in enumerate(head["radii"]))
+PY
+
 # A page holds the places of balls, to 16 bits of the chamber's box, in the corners of facets as well.
 facets=$work/facets.h5
 "$bin/mill" run "${small[@]}" chamber.facets=3 record.frames=200 -o "$facets" >"$work/out" || exit 2

@@ -79,8 +79,10 @@ class Legend {
   }
 
   place() {
-    const names = this.names.length > 0 ? 24 * this.names.length + 40 : 0;
-    const h = Math.max(Math.min(430, this.height - 110) - names, 60);
+    const all = Math.min(430, this.height - 110);
+    this.rows = Math.min(this.names.length, Math.max(Math.floor((all - 100) / 24), 4));
+    const names = this.rows > 0 ? 24 * this.rows + 40 : 0;
+    const h = Math.max(all - names, 60);
     this.bar = {x: this.width - 82, y: (this.height - h + names) / 2 + 30, w: 14, h};
   }
 
@@ -184,12 +186,16 @@ class Legend {
     c.globalAlpha = 1;
   }
 
-  // Names of groups, above the scale.
+  // Names of groups, above the scale: as many as there is room for.
   list(c, shade) {
-    const left = 36, top = this.bar.y - 76 - 24 * this.names.length;
+    const {names, rows} = this, left = 36, top = this.bar.y - 76 - 24 * rows;
     this.write(c, this.kind.title, left, top, shade(0.92), "bold 15px");
-    this.names.forEach((name, k) => {
+    names.slice(0, rows).forEach((name, k) => {
       const at = top + 26 + 24 * k;
+      if (k === rows - 1 && names.length > rows) {
+        this.write(c, `and ${names.length - k} more`, left + 24, at, shade(0.8));
+        return;
+      }
       c.fillStyle = this.groupColour(k);
       c.beginPath();
       c.arc(left + 7, at - 5, 7, 0, 2 * Math.PI);
@@ -201,20 +207,24 @@ class Legend {
   write(c, text, x, y, style, font = "14px") {
     c.font = `${font} "DejaVu Sans", "Segoe UI", system-ui, sans-serif`;
     c.fillStyle = style;
-    c.fillText(text, x, y);
+    c.fillText(text, x, y, this.width - x);
   }
 
   ticks(c, shade) {
     const {x, y, w} = this.bar, {title, unit, low, high} = this.axis;
     const raw = (high - low) / 6, power = 10 ** Math.floor(Math.log10(raw));
     const lead = raw / power, step = power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
-    const digits = step < 1 ? Math.ceil(-Math.log10(step) - 1e-9) : 0;
+    const decimals = step < 1 ? Math.ceil(-Math.log10(step) - 1e-9) : 0;
+    const most = Math.max(Math.abs(low), Math.abs(high)), plain = decimals <= 5 && most < 1e7;
+    const digits = Math.min(1 + Math.ceil(Math.log10(most / step)), 17);
+    const first = Math.ceil(low / step - 1e-9), MOST = 16;
     c.textAlign = "left";
-    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
-      const at = this.yOf(k * step);
+    for (let j = 0; j < MOST && (first + j) * step <= high + 1e-9 * step; j++) {
+      const value = (first + j) * step, at = this.yOf(value);
       c.fillStyle = shade(0.55);
       c.fillRect(x + w + 2, at - 0.5, 5, 1);
-      this.write(c, (k * step).toFixed(digits), x + w + 18, at + 5, shade(0.8));
+      this.write(c, plain ? value.toFixed(decimals) : `${+value.toPrecision(digits)}`, x + w + 18,
+                 at + 5, shade(0.8));
     }
     this.write(c, unit, x - 1, y - 15, shade(0.7));
     this.write(c, title, x - 1, y - 34, shade(0.92), "bold 15px");

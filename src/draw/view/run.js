@@ -10,7 +10,7 @@ class Run {
   constructor() {
     Object.assign(this, JSON.parse(document.getElementById("head").textContent));
     const raw = bytesOf("frames").buffer, n = this.count;
-    this.species = bytesOf("species");
+    this.species = new Uint16Array(bytesOf("species").buffer);
     this.spins = new Uint16Array(bytesOf("spins").buffer);
     this.classes = bytesOf("classes");
     this.places = [];

@@ -64,7 +64,7 @@ class Mesh {
 
   triangle(a, b, c) {
     const turn = cross(along(b[0], -1, a[0]), along(c[0], -1, a[0]));
-    if (dot(turn, turn) <= 1e-30) return;
+    if (dot(turn, turn) <= 0) return;
     const flip = dot(turn, along(along(a[1], 1, b[1]), 1, c[1])) < 0;
     for (const [place, normal] of flip ? [a, c, b] : [a, b, c]) this.data.push(...place, ...normal);
   }
