@@ -6,22 +6,23 @@
 #include <string.h>
 
 struct grid {
-  float low[3], cell;
+  float low[3], cell, reach;
   int size[3];
 };
 
 enum { MOST_PER_SIDE = 96 };
 
 static struct grid grid_of(const struct em_sphere *sphere, size_t count) {
-  struct grid g = {{INFINITY, INFINITY, INFINITY}, 0.0F, {1, 1, 1}};
+  struct grid g = {{INFINITY, INFINITY, INFINITY}, 0.0F, 0.0F, {1, 1, 1}};
   float high[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t k = 0; k < count; k++) {
-    g.cell = fmaxf(g.cell, 4.0F * sphere[k].radius);
+    g.reach = fmaxf(g.reach, 4.0F * sphere[k].radius);
     for (int a = 0; a < 3; a++) {
       g.low[a] = fminf(g.low[a], sphere[k].place[a]);
       high[a] = fmaxf(high[a], sphere[k].place[a]);
     }
   }
+  g.cell = g.reach;
   for (int a = 0; a < 3; a++)
     g.cell = fmaxf(g.cell, (high[a] - g.low[a]) / MOST_PER_SIDE);
   for (int a = 0; a < 3 && g.cell > 0.0F; a++)
@@ -99,7 +100,7 @@ static void add_neighbours(struct em_sphere *to, const struct em_sphere *sphere,
       const unsigned begin = space->first[row + (size_t)low[2]];
       const unsigned end = space->first[row + (size_t)high[2] + 1];
       for (unsigned n = begin; n < end; n++)
-        add(to, &sphere[space->order[n]], g->cell * g->cell);
+        add(to, &sphere[space->order[n]], g->reach * g->reach);
     }
 }
 

@@ -188,11 +188,27 @@ static void the_nearer_sphere_is_seen(void **state) {
   }
 }
 
+/* Neighbours beyond two diameters take no light, however wide the scene is. */
+static void only_neighbours_take_light(void **state) {
+  struct em_sphere s[] = {{.place = {0, 0, 0}, .radius = 1e-3F},
+                          {.place = {0.0041F, 0, 0}, .radius = 1e-3F},
+                          {.place = {1, 1, 0}, .radius = 1e-3F},
+                          {.place = {1, 1, 0.0039F}, .radius = 1e-3F}};
+  struct em_occlusion space = {0};
+  (void)state;
+  assert_true(em_occlusion_fill(&space, s, 4));
+  for (int k = 0; k < 4; k++) {
+    const double share = k < 2 ? 0.0 : 0.25 / (3.9 * 3.9);
+    assert_true(fabs((double)s[k].occlusion[3] - share) < 1e-6);
+    assert_true(fabs((double)s[k].occlusion[2] - (k == 2 ? 2.0 : -2.0) * share) < 1e-6);
+  }
+  em_occlusion_clear(&space);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_canvas_is_drawn_on),
-      cmocka_unit_test(impossible_sizes_are_refused),
-      cmocka_unit_test(spheres_are_exact),
+      cmocka_unit_test(a_canvas_is_drawn_on),         cmocka_unit_test(only_neighbours_take_light),
+      cmocka_unit_test(impossible_sizes_are_refused), cmocka_unit_test(spheres_are_exact),
       cmocka_unit_test(the_nearer_sphere_is_seen),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -129,17 +129,18 @@ class Run {
 // 1/4 + cos/2. Spheres are [x, y, z, r], laws [vector, constant].
 class Occlusion {
   fill(sphere, count, law) {
-    let cell = 0;
+    let reach = 0;
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let k = 0; k < count; k++) {
-      cell = Math.max(cell, 4 * sphere[4 * k + 3]);
+      reach = Math.max(reach, 4 * sphere[4 * k + 3]);
       for (let a = 0; a < 3; a++) {
         low[a] = Math.min(low[a], sphere[4 * k + a]);
         high[a] = Math.max(high[a], sphere[4 * k + a]);
       }
     }
     law.fill(0, 0, 4 * count);
-    if (!(cell > 0)) return;
+    if (!(reach > 0)) return;
+    let cell = reach;
     for (let a = 0; a < 3; a++) cell = Math.max(cell, (high[a] - low[a]) / 96);
     const size = high.map((h, a) => 1 + Math.floor((h - low[a]) / cell));
     const along = (k, a) =>
@@ -157,7 +158,7 @@ class Occlusion {
              y++) {
           const row = (x * size[1] + y) * size[2];
           for (let n = first[row + z0]; n < first[row + z1 + 1]; n++)
-            this.add(sphere, law, k, order[n], cell * cell);
+            this.add(sphere, law, k, order[n], reach * reach);
         }
     }
   }
