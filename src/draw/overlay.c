@@ -321,14 +321,20 @@ static void draw_histogram(const struct paper *p, const struct em_colour_map *ma
   }
 }
 
-void em_overlay_moment(cairo_surface_t *surface, const struct em_picture_options *options,
-                       const struct em_colour_map *map, const struct em_picture_state *state,
-                       const unsigned *bin) {
+/* Of the time: a thousandth of the run can be told. */
+static int decimals_of(const struct em_scene *scene) {
+  return scene->duration > 0.0 ? (int)fmin(fmax(3.0 - floor(log10(scene->duration)), 4.0), 12.0)
+                               : 4;
+}
+
+void em_overlay_moment(cairo_surface_t *surface, const struct em_scene *scene,
+                       const struct em_picture_options *options, const struct em_colour_map *map,
+                       const struct em_picture_state *state, const unsigned *bin) {
   EM_LOCALE_PLAIN;
   if (!has_legend(options)) return;
   const struct paper p = paper_on(surface, options);
   char text[96];
-  const int used = snprintf(text, sizeof text, "t = %.4f s", state->time);
+  const int used = snprintf(text, sizeof text, "t = %.*f s", decimals_of(scene), state->time);
   if (state->unmarked > 0)
     snprintf(text + used, sizeof text - (size_t)used, " · %zu earlier collisions unmarked",
              state->unmarked);

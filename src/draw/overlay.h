@@ -20,8 +20,8 @@ void em_overlay_legend(cairo_surface_t *surface, const struct em_scene *scene,
 
 /* What changes, on top of everything: the time; the histogram of the values (NULL: none), counts in
  * EM_OVERLAY_BINS equal bins of the scale. */
-void em_overlay_moment(cairo_surface_t *surface, const struct em_picture_options *options,
-                       const struct em_colour_map *map, const struct em_picture_state *state,
-                       const unsigned *bin);
+void em_overlay_moment(cairo_surface_t *surface, const struct em_scene *scene,
+                       const struct em_picture_options *options, const struct em_colour_map *map,
+                       const struct em_picture_state *state, const unsigned *bin);
 
 #endif

@@ -378,7 +378,8 @@ enum em_status em_picture_draw(struct em_picture *picture, const struct em_pictu
   compose(drawn, cairo_image_surface_get_data(picture->ground), sheet, pixels);
   compose(cairo_image_surface_get_data(picture->legend), sheet, sheet, pixels);
   cairo_surface_mark_dirty(picture->sheet);
-  em_overlay_moment(picture->sheet, o, &picture->map, state, o->histogram ? picture->bin : NULL);
+  em_overlay_moment(picture->sheet, picture->scene, o, &picture->map, state,
+                    o->histogram ? picture->bin : NULL);
   cairo_surface_flush(picture->sheet);
   copy_out(sheet, rgba, pixels);
   return EM_OK;

@@ -183,6 +183,29 @@ static void the_legend_stays_on_the_picture(void **state) {
   em_scene_free(scene);
 }
 
+/* Moments of a run of a microsecond can be told apart. */
+static void short_times_are_told(void **state) {
+  static const char *const brief[] = {"duration=1e-6"};
+  static const double angle[2];
+  static uint8_t rgba[2][BYTES];
+  struct em_picture *picture;
+  struct em_error err = {0};
+  (void)state;
+  struct em_scene *scene = draw_scene(DRAW_MILL, 1, brief);
+  struct em_balls *balls = draw_start(scene);
+  const struct em_picture_options o = options_for(scene, balls);
+  assert_int_equal(em_picture_new(&picture, scene, &o, &err), EM_OK);
+  for (int k = 0; k < 2; k++) {
+    const struct em_picture_state s = {
+        .balls = balls, .time = 1e-7 + 1e-9 * k, .blade_angle = angle};
+    assert_int_equal(em_picture_draw(picture, &s, rgba[k], &err), EM_OK);
+  }
+  assert_true(difference(rgba[0], rgba[1]) > 2);
+  em_picture_free(picture);
+  em_start_free(balls);
+  em_scene_free(scene);
+}
+
 /* A picture of some of the balls says so: it differs even where none is in sight. */
 static void a_choice_is_told(void **state) {
   (void)state;
@@ -547,6 +570,7 @@ int main(void) {
       cmocka_unit_test(the_legend_is_on_top),
       cmocka_unit_test(titles_in_another_coding_are_drawn),
       cmocka_unit_test(the_legend_stays_on_the_picture),
+      cmocka_unit_test(short_times_are_told),
       cmocka_unit_test(a_choice_is_told),
       cmocka_unit_test(a_smoother_picture_is_the_same_picture),
       cmocka_unit_test(a_triple_shows_motion),

@@ -15,6 +15,7 @@ class Player {
     this.time = this.run.first;
     this.playing = true;
     this.slow = this.goodRate();
+    this.decimals = this.goodDecimals();
     this.trailTime = Math.min(0.05, (this.run.last - this.run.first) / 4);
     this.makeRoom(this.run.count + TRAIL.most * TRAIL.beads);
     this.texts();
@@ -36,6 +37,12 @@ class Player {
     const wanted = Math.min(20, Math.max(frames / 10, 4)) / span;
     return RATES.reduce((a, b) => Math.abs(Math.log(b / wanted)) < Math.abs(Math.log(a / wanted))
                                     ? b : a);
+  }
+
+  // Of the time: a thousandth of the run can be told.
+  goodDecimals() {
+    const span = this.run.last - this.run.first;
+    return span > 0 ? Math.min(Math.max(3 - Math.floor(Math.log10(span)), 4), 12) : 4;
   }
 
   makeRoom(count) {
@@ -170,7 +177,7 @@ class Player {
       return `${a.title.toLowerCase()} ` + (a.bounds[1] === Infinity
         ? `above ${low} ${a.unit}` : `between ${low} and ${high} ${a.unit}`);
     });
-    $("time").textContent = `t = ${this.time.toFixed(4)} s`;
+    $("time").textContent = `t = ${this.time.toFixed(this.decimals)} s`;
     $("scrub").value = this.time;
     $("rate").value = this.slow;
     $("play").textContent = this.playing ? "❚❚" : "▶";
