@@ -187,6 +187,9 @@ double em_field_values(const struct em_field *field, size_t cell) {
   return sum;
 }
 
+/* Scatter below this share of a value is rounding. */
+static const double ROUNDING = 1e-14;
+
 /* A ratio Σ a_g / Σ b_g over groups of time, with the error of a ratio of sums; groups without
  * values tell nothing, and what was never seen is known to no precision. */
 static struct em_interval ratio(const double *a, const double *b, size_t groups, double level) {
@@ -202,7 +205,7 @@ static struct em_interval ratio(const double *a, const double *b, size_t groups,
   if (filled < 2.0 || sa == 0.0) return out;
   for (size_t g = 0; g < groups; g++) {
     const double d = a[g] - out.value * b[g];
-    scatter += d * d;
+    if (fabs(d) > ROUNDING * a[g]) scatter += d * d;
   }
   out.error = sqrt(scatter * filled / (filled - 1.0)) / sb;
   out.half = em_interval_student(level, out.freedom) * out.error;

@@ -257,6 +257,11 @@ assert abs(sum(t["values"] * t["value"] for t in tubes) / v.sum() - 1) < 1e-6
 assert sum(c["relative_sigma"] is not None for c in cells) > 100
 ' map "$one" --cells sectors --sectors 100 --tubes 5 --slices 3 --of speed --from 0.1; }
 check "tubes sum up their slices" map_speed
+map_alike() { agrees "$one" '
+half = [c["half"] / c["value"] for c in result["cells"] if c["half"] is not None and c["value"]]
+assert len(half) > 100 and not any(0 < x < 1e-9 for x in half)
+' map "$one" --cells rings --of count --from 0.24; }
+check "the interval of counts that are alike is no rounding" map_alike
 sigma() { agrees "$one" '
 assert all(c["relative_sigma"] is None for c in result["cells"])
 ' map "$one" --cells sectors --from 0.1 "$@"; }
