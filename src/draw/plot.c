@@ -6,6 +6,7 @@
 #include "draw/gnuplot.h"
 #include "draw/plot_key.h"
 #include "draw/plot_marks.h"
+#include "draw/plot_room.h"
 #include "draw/plot_texts.h"
 #include "draw/plot_ticks.h"
 #include "eventmill/colour.h"
@@ -99,8 +100,13 @@ static void write_frame(struct em_gnuplot *g, const struct em_plot *plot, double
           plot->title == NULL && plot->subtitle == NULL ? 0.97 : EM_GNUPLOT_TOP);
   write_axis(g, "x", plot->x_label, plot->log_x, plot->x_low, plot->x_high);
   write_axis(g, "y", plot->y_label, plot->log_y, plot->y_low, plot->y_high);
-  if (!plot->log_y && !(plot->y_low < plot->y_high) && is_positive(plot))
-    fputs("set yrange [0<*:*]\n", g->out);
+  if (!plot->log_y && !(plot->y_low < plot->y_high) && is_positive(plot)) {
+    /* What is cut off at 0 is not asked how far up it reaches. */
+    const double most = em_plot_room_of(plot, ground).y[0].high;
+    fputs("set yrange [0<*:", g->out);
+    if (isfinite(most)) fprintf(g->out, "%.9g<", most);
+    fputs("*]\n", g->out);
+  }
   if (second) {
     write_axis(g, "y2", plot->y2_label, false, 0.0, 0.0);
     fputs("set border 11\nset y2tics\n", g->out);

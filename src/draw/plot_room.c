@@ -54,15 +54,18 @@ static struct em_plot_range range_x(const struct em_plot *plot) {
 
 static struct em_plot_range range_y(const struct em_plot *plot, bool second, double ground) {
   struct em_plot_range r = begin(!second && plot->log_y);
+  double least = INFINITY; /* of the values without their errors */
   for (size_t j = 0; j < plot->series_count; j++) {
     const struct em_plot_series *s = &plot->series[j];
     if (s->second_axis != second) continue;
     for (size_t k = 0; k < s->count; k++) {
       take(&r, s->y[k] - half_of(s, k));
       take(&r, s->y[k] + half_of(s, k));
+      least = fmin(least, s->y[k]);
     }
     if (s->style == EM_PLOT_STEPS) take(&r, ground);
   }
+  if (!second && !r.log && least >= 0.0) r.low = fmax(r.low, 0.0); /* as in plot.c */
   finish(&r, second ? 0.0 : plot->y_low, second ? 0.0 : plot->y_high);
   return r;
 }

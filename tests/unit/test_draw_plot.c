@@ -233,6 +233,17 @@ static void the_legend_lies_on_no_curve(void **state) {
   }
 }
 
+/* Nor on the bars of errors, of which one end is cut off at 0. */
+static void the_legend_lies_on_no_error(void **state) {
+  const double x[] = {0.0, 1.0, 2.0, 3.0}, y[] = {1, 1, 1, 1}, half[] = {0.2, 0.2, 0.2, 5.0};
+  const struct em_plot_series s = {
+      .name = "one", .style = EM_PLOT_POINTS, .count = 4, .x = x, .y = y, .error = half};
+  const struct em_plot plot = {.series_count = 1, .series = &s};
+  (void)state;
+  assert_true(is_written(&plot, "set key top left"));
+  assert_true(is_written(&plot, "set yrange [0<*:6<*]"));
+}
+
 /* The name of a line moves to its other end when a curve crosses it; error bars below 0 do not take
  * the axis there. */
 static void names_of_lines_are_free(void **state) {
@@ -246,7 +257,13 @@ static void names_of_lines_are_free(void **state) {
   mark.at = 0.2;
   assert_true(is_written(&plot, "'a limit' at graph 0.02, first 0.2 left") ||
               is_written(&plot, "'a limit' at graph 0.98, first 0.2 right"));
-  assert_true(is_written(&plot, "set yrange [0<*:*]"));
+  assert_true(is_written(&plot, "set yrange [0<*:3<*]"));
+  const double wide[] = {0.6, 9.0, 0, 0}; /* an end that is cut off hides the other to gnuplot */
+  struct em_plot_series points = s;
+  points.error = wide;
+  points.style = EM_PLOT_POINTS;
+  const struct em_plot cut = {.series_count = 1, .series = &points};
+  assert_true(is_written(&cut, "set yrange [0<*:10.5<*]"));
 }
 
 /* More curves than colours have dashes; more than can be told apart are refused. */
@@ -471,6 +488,7 @@ int main(void) {
       cmocka_unit_test(texts_in_another_coding_are_drawn),
       cmocka_unit_test(scripts_can_be_run),
       cmocka_unit_test(the_legend_lies_on_no_curve),
+      cmocka_unit_test(the_legend_lies_on_no_error),
       cmocka_unit_test(names_of_lines_are_free),
       cmocka_unit_test(many_curves_can_be_told_apart),
       cmocka_unit_test(colour_bars_can_be_read),
