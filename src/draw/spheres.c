@@ -1,9 +1,10 @@
 /* Ray-cast spheres. Seen from the eye, a sphere (centre c, radius r) is bounded by its tangent
  * cone, which touches it in a circle: centre c (1 − r²/c²), radius r √(1 − r²/c²). The square
- * around that circle covers the silhouette and nothing else needs rays. Rays start at the square,
- * so that the quadratic works with lengths of the size of r and loses no digits. A pixel that the
- * silhouette cuts is covered in part and lets through what is behind: spheres have to come farthest
- * first. Discs are spheres without light and shade. */
+ * around that circle, wider by a pixel, covers the silhouette, and nothing else needs rays. No
+ * sphere is drawn smaller than a pixel: it would be lost between the pixels' middles. Rays start at
+ * the square, so that the quadratic works with lengths of the size of r and loses no digits. A
+ * pixel that the silhouette cuts is covered in part and lets through what is behind: spheres have
+ * to come farthest first. Discs are spheres without light and shade. */
 #include "draw/spheres.h"
 
 #include <stddef.h>
@@ -18,6 +19,7 @@ static const char vertex[] =
     "layout(location = 2) in vec4 colour;\n"
     "uniform mat4 view, projection;\n"
     "uniform int parallel;\n"
+    "uniform float pixel;\n" /* its size, at the distance 1 where there is perspective */
     "flat out vec3 centre;\n"
     "flat out float radius;\n"
     "flat out vec4 shade;\n"
@@ -27,16 +29,17 @@ static const char vertex[] =
     "flat out int disc;\n"
     "void main() {\n"
     "  centre = (view * vec4(sphere.xyz, 1.0)).xyz;\n"
-    "  radius = sphere.w;\n"
+    "  float width = pixel * (parallel != 0 ? 1.0 : length(centre));\n"
+    "  radius = max(sphere.w, 0.5 * width);\n"
     "  shade = vec4(mat3(view) * occlusion.xyz, occlusion.w);\n"
     "  base = colour.rgb * colour.rgb;\n"
     "  disc = colour.a < 0.5 ? 1 : 0;\n"
-    "  place = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * 1.04;\n"
     "  vec3 back = parallel != 0 ? vec3(0, 0, 1) : -normalize(centre);\n"
     "  float q = parallel != 0 ? 0.0 : radius * radius / dot(centre, centre);\n"
     "  vec3 right = normalize(vec3(back.z, 0, -back.x));\n"
     "  vec3 up = cross(back, right);\n"
     "  float size = radius * sqrt(1.0 - min(q, 0.999));\n"
+    "  place = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * (1.0 + width / size);\n"
     "  start = -q * centre + size * (place.x * right + place.y * up);\n"
     "  gl_Position = projection * vec4(centre + start, 1.0);\n"
     "}\n";
@@ -55,7 +58,9 @@ static const char fragment[] =
     "out vec4 colour;\n"
     "void main() {\n"
     "  float away = length(place);\n"
-    "  float cover = clamp(0.5 + (1.0 - away) / length(vec2(dFdx(away), dFdy(away))), 0.0, 1.0);\n"
+    "  vec2 way = place / max(away, 1e-6);\n"
+    "  vec2 step = vec2(dot(way, dFdx(place)), dot(way, dFdy(place)));\n"
+    "  float cover = clamp(0.5 + (1.0 - away) / length(step), 0.0, 1.0);\n"
     "  if (cover <= 0.0) discard;\n"
     "  vec3 u = parallel != 0 ? vec3(0, 0, -1) : normalize(centre + start);\n"
     "  float b = dot(start, u);\n"
@@ -85,6 +90,7 @@ enum em_status em_spheres_make(struct em_spheres *spheres, const struct em_gl *g
   spheres->view = gl->GetUniformLocation(spheres->program, "view");
   spheres->projection = gl->GetUniformLocation(spheres->program, "projection");
   spheres->parallel = gl->GetUniformLocation(spheres->program, "parallel");
+  spheres->pixel = gl->GetUniformLocation(spheres->program, "pixel");
   gl->GenVertexArrays(1, &spheres->array);
   gl->GenBuffers(1, &spheres->buffer);
   gl->BindVertexArray(spheres->array);
@@ -103,6 +109,7 @@ void em_spheres_draw(const struct em_spheres *spheres, const struct em_gl *gl,
   gl->UniformMatrix4fv(spheres->view, 1, GL_FALSE, aim->view);
   gl->UniformMatrix4fv(spheres->projection, 1, GL_FALSE, aim->projection);
   gl->Uniform1i(spheres->parallel, aim->parallel);
+  gl->Uniform1f(spheres->pixel, 2.0F / (aim->projection[5] * (float)aim->height));
   gl->BindVertexArray(spheres->array);
   gl->BindBuffer(GL_ARRAY_BUFFER, spheres->buffer);
   gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *sphere), sphere, GL_STREAM_DRAW);

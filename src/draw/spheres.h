@@ -9,7 +9,7 @@
 
 struct em_spheres {
   GLuint program, array, buffer;
-  GLint view, projection, parallel;
+  GLint view, projection, parallel, pixel;
 };
 
 enum em_status em_spheres_make(struct em_spheres *spheres, const struct em_gl *gl,

@@ -155,6 +155,40 @@ static void spheres_are_exact(void **state) {
   }
 }
 
+/* Smaller than a pixel, wherever between pixels' middles. */
+static void the_smallest_spheres_are_seen(void **state) {
+  const struct em_vec low = {-0.1, -0.1, -0.1}, high = {0.1, 0.1, 0.1}, point[] = {low, high};
+  struct em_canvas *canvas;
+  struct em_error err = {0};
+  struct em_spheres spheres;
+  (void)state;
+  assert_int_equal(em_canvas_new(&canvas, WIDTH, HEIGHT, &err), EM_OK);
+  const struct em_gl *gl = em_canvas_current(canvas, &err);
+  assert_int_equal(em_spheres_make(&spheres, gl, &err), EM_OK);
+  gl->Viewport(0, 0, WIDTH, HEIGHT);
+  gl->Enable(GL_DEPTH_TEST);
+  gl->ClearColor(0, 0, 0, 0);
+  for (int k = 0; k < 200; k++) {
+    struct em_camera camera = em_camera_make(EM_CAMERA_THREE_QUARTER);
+    struct em_camera_aim aim;
+    if (k % 2) camera.fov = 0.0;
+    em_camera_aim(&camera, low, high, point, 2, WIDTH, HEIGHT, &aim);
+    const float u = (float)fmod(0.0618 * k, 0.08), v = (float)fmod(0.0414 * k, 0.08);
+    const struct em_sphere s = {.place = {u - 0.04F, v - 0.04F, 0.04F - u},
+                                .radius = 1e-4F, /* a pixel is about 1e-3 */
+                                .rgba = {200, 200, 200, 255}};
+    gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    em_spheres_draw(&spheres, gl, &aim, &s, 1);
+    const uint8_t *pixel = em_canvas_read(canvas);
+    int alpha = 0;
+    for (size_t n = 3; n < 4 * WIDTH * HEIGHT; n += 4)
+      alpha += pixel[n];
+    assert_true(alpha > 230 && alpha < 320); /* about one pixel */
+  }
+  em_spheres_clear(&spheres, gl);
+  em_canvas_free(canvas);
+}
+
 /* The near one hides the far one, whichever is drawn first. */
 static void the_nearer_sphere_is_seen(void **state) {
   (void)state;
@@ -207,8 +241,11 @@ static void only_neighbours_take_light(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_canvas_is_drawn_on),         cmocka_unit_test(only_neighbours_take_light),
-      cmocka_unit_test(impossible_sizes_are_refused), cmocka_unit_test(spheres_are_exact),
+      cmocka_unit_test(a_canvas_is_drawn_on),
+      cmocka_unit_test(only_neighbours_take_light),
+      cmocka_unit_test(impossible_sizes_are_refused),
+      cmocka_unit_test(the_smallest_spheres_are_seen),
+      cmocka_unit_test(spheres_are_exact),
       cmocka_unit_test(the_nearer_sphere_is_seen),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

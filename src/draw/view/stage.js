@@ -241,7 +241,7 @@ varying vec3 start;
 varying vec2 place;
 void main() {
   centre = (view * vec4(sphere.xyz, 1.0)).xyz;
-  radius = sphere.w;
+  radius = max(sphere.w, 0.5 * pixel * length(centre)); // else lost between middles of pixels
   shade = vec4((view * vec4(occlusion.xyz, 0.0)).xyz, occlusion.w);
   base = colour.rgb * colour.rgb;
   // The circle in which the tangent cone from the eye touches, and how wide a pixel is in it.
