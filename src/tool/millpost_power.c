@@ -237,21 +237,31 @@ static void curve_table(struct em_report *report, const struct em_balance *b) {
   }
 }
 
+/* Mean power over time between the samples `from` and `to`. */
+static double mean_power(const struct em_balance *b, const struct curve *curve, size_t from,
+                         size_t to) {
+  const double *time = b->lost.time;
+  if (to == from + 1) return curve->at(b, from);
+  double energy = 0.0;
+  for (size_t k = from; k < to; k++)
+    energy += curve->at(b, k) * (time[k + 1] - time[k]);
+  return energy / (time[to] - time[from]);
+}
+
 static enum em_status draw(const struct em_run_file *run, const struct em_balance *b,
                            const char *path, struct em_error *err) {
-  const size_t n = b->lost.count - 1, group = n > 400 ? n / 200 : 1, points = n / group;
+  const size_t n = b->lost.count - 1, points = n > 400 ? 200 : n;
   double *t = calloc((1 + CURVES) * points, sizeof *t), low = 0.0, high = 0.0;
   if (!t) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   for (size_t k = 0; k < points; k++)
-    t[k] = 0.5 * (b->lost.time[k * group] + b->lost.time[(k + 1) * group]);
+    t[k] = 0.5 * (b->lost.time[k * n / points] + b->lost.time[(k + 1) * n / points]);
   struct em_plot_series series[CURVES];
   size_t count = 0;
   for (size_t c = 0; c < CURVES; c++) {
     if (!is_shown(b, &curves[c])) continue;
     double *power = t + (1 + count) * points;
     for (size_t k = 0; k < points; k++) {
-      for (size_t j = k * group; j < (k + 1) * group; j++)
-        power[k] += curves[c].at(b, j) / (double)group;
+      power[k] = mean_power(b, &curves[c], k * n / points, (k + 1) * n / points);
       low = fmin(low, power[k]);
       high = fmax(high, power[k]);
     }

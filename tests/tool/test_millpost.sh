@@ -311,6 +311,28 @@ for key in ("power_by_torque", "power_by_energy", "dissipated"):
 assert len(curve) == 60 and max(abs(c["difference"]) for c in curve) < 1e-9 * result["power"]
 ' power "$one" --from 0.1 --curve; }
 check "power against time" against_time
+uneven() { # more samples than are drawn, farther and farther apart
+  run geometries/simoloyer-2l.cfg balls.count=50 duration=0.0903 record.observables=5000 -o "$work/uneven.h5"
+  /usr/bin/python3 - "$work/uneven.h5" <<'PY' &&
+import sys
+import h5py
+time = h5py.File(sys.argv[1], "r+")["observables/blade_work/time"]  # all observables share it
+time[...] = time[...] * (time[...] + 0.0903)
+PY
+    post power "$work/uneven.h5" --from 0 --to 0.02 -o "$work/diagram.gp" && agrees "$work/uneven.h5" '
+text = open("'"$work"'/diagram.gp").read()
+tt = h["observables/blade_work/time"][...]
+for name, key in (("$d0", "dissipated"), ("$d1", "power_by_torque")):
+    rows = text.split(name + " << EOD\n")[1].split("EOD")[0].split("\n")
+    low, energy = tt[0], 0.0
+    for middle, power in (map(float, row.split()[:2]) for row in rows if row):
+        energy += power * 2 * (middle - low)
+        low = 2 * middle - low
+    assert abs(low / tt[-1] - 1) < 1e-6, (low, tt[-1])
+    assert abs(energy / (result[key] * (tt[-1] - tt[0])) - 1) < 1e-6, (key, energy)
+' power "$work/uneven.h5" --from 0 --to 0.02
+}
+check "what is drawn of many samples is all of the work" uneven
 between_samples() { # every 0.0025 s
   post power "$one" --above 2 --from 0.1012 --to 0.1987 >"$work/out" &&
     grep -q "told from 0.1025 s to 0.1975 s, between samples" "$work/out" &&
