@@ -105,7 +105,7 @@ static void add_rows(struct em_field *field, const struct em_rows *rows, unsigne
                      const struct em_balls *balls, const struct em_window *window) {
   for (size_t k = 0; k < rows->count; k++) {
     const double t = rows->time[k];
-    if (t < window->from || t >= window->to || !(classes & 1U << rows->cls[k])) continue;
+    if (!em_window_has(window, t) || !(classes & 1U << rows->cls[k])) continue;
     size_t group = (size_t)((t - window->from) / field->group_time);
     if (group >= field->groups) group = field->groups - 1;
     const double x = of_row(field->of, rows, k, balls);
@@ -139,7 +139,7 @@ static enum em_status from_rows(struct em_field *field, const struct em_run_file
     status = em_run_file_rows(run, first, rows, err);
     if (status != EM_OK || rows->count == 0) break;
     add_rows(field, rows, classes, balls, window);
-    if (rows->time[rows->count - 1] >= window->to) break;
+    if (rows->time[rows->count - 1] > window->to) break;
   }
   em_run_file_rows_free(rows);
   em_start_free(balls);

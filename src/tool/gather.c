@@ -221,12 +221,12 @@ static enum em_status seek(const struct em_run_file *run, double time, uint64_t 
 }
 
 static void count_rows(struct em_gather *gather, const struct em_rows *rows, unsigned classes,
-                       const struct em_balls *balls) {
+                       const struct em_window *window, const struct em_balls *balls) {
   const double scale = (double)gather->blocks / (gather->to - gather->from);
   for (size_t k = 0; k < rows->count; k++) {
     const double t = rows->time[k];
     const int cls = rows->cls[k];
-    if (t < gather->from || t >= gather->to || cls >= EM_CLASS_COUNT) continue;
+    if (!em_window_has(window, t) || cls >= EM_CLASS_COUNT) continue;
     const double x = of_row(gather->of, rows, k, balls);
     size_t b = (size_t)((t - gather->from) * scale);
     if (b >= gather->blocks) b = gather->blocks - 1;
@@ -236,7 +236,8 @@ static void count_rows(struct em_gather *gather, const struct em_rows *rows, uns
 }
 
 static enum em_status from_rows(struct em_gather *gather, const struct em_run_file *run,
-                                unsigned classes, struct em_error *err) {
+                                unsigned classes, const struct em_window *window,
+                                struct em_error *err) {
   if (!prepare(gather, BLOCKS)) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
   for (size_t b = 0; b < BLOCKS; b++)
     gather->duration[b] = (gather->to - gather->from) / BLOCKS;
@@ -249,9 +250,9 @@ static enum em_status from_rows(struct em_gather *gather, const struct em_run_fi
   while (status == EM_OK) {
     status = em_run_file_rows(run, first, rows, err);
     if (status != EM_OK || rows->count == 0) break;
-    count_rows(gather, rows, classes, balls);
+    count_rows(gather, rows, classes, window, balls);
     first += rows->count;
-    if (rows->time[rows->count - 1] >= gather->to) break;
+    if (rows->time[rows->count - 1] > gather->to) break;
   }
   em_run_file_rows_free(rows);
   em_start_free(balls);
@@ -353,7 +354,7 @@ enum em_status em_gather_new(struct em_gather **out, const struct em_run_file *r
   if (gather->of_balls)
     status = from_frames(gather, run, err);
   else if (em_run_file_has_rows(run))
-    status = from_rows(gather, run, classes, err);
+    status = from_rows(gather, run, classes, window, err);
   else if (of == EM_GATHER_VN)
     status = from_online(gather, run, classes, err);
   else

@@ -61,6 +61,7 @@ static struct em_window sampled(const struct em_balance *b, const struct em_wind
   struct em_window part = *window;
   part.from = b->lost.time[0];
   part.to = b->lost.time[b->lost.count - 1];
+  part.closed = window->closed && part.to == window->to;
   const double slack = 1e-9 * (window->to - window->from);
   if (part.from > window->from + slack || part.to < window->to - slack)
     em_report_note(report,
@@ -104,7 +105,7 @@ static enum em_status from_table(struct useful *useful, const struct em_run_file
     status = em_run_file_rows(run, first, rows, err);
     if (status != EM_OK || rows->count == 0) break;
     for (size_t k = 0; k < rows->count; k++) {
-      if (rows->time[k] < window->from || rows->time[k] >= window->to) continue;
+      if (!em_window_has(window, rows->time[k])) continue;
       if (rows->cls[k] >= EM_CLASS_COUNT) continue;
       const double lost = (double)rows->lost[k];
       useful->all[rows->cls[k]] += lost;

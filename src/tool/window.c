@@ -50,6 +50,7 @@ enum em_status em_window_find(struct em_window *window, const struct em_run_file
   const double end = em_run_file_state(run)->time;
   *window = (struct em_window){.geweke_p = NAN, .how = "as given"};
   window->to = isnan(to) || to > end ? end : to;
+  window->closed = window->to == end;
   window->automatic = isnan(from);
   if (window->automatic) {
     const enum em_status status = find_steady(window, run, err);
@@ -61,6 +62,10 @@ enum em_status em_window_find(struct em_window *window, const struct em_run_file
   return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                       "nothing between %g s and %g s, the run has 0 to %g s", window->from,
                       window->to, end);
+}
+
+bool em_window_has(const struct em_window *window, double time) {
+  return time >= window->from && (time < window->to || (window->closed && time == window->to));
 }
 
 void em_window_report(struct em_report *report, const struct em_window *window) {

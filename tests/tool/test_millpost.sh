@@ -79,6 +79,14 @@ for often, hard in zip(result["how_often"], result["how_hard"]):
 ' hist "$one" --from 0.1 --above 1.5; }
 check "hist agrees with numpy" hist
 
+last() { # the run ended amid contacts at one time: they are no less than the others
+  run geometries/bouncing-ball.cfg contact.normal=0.3 -o "$work/collapsed.h5" 2>/dev/null
+  agrees "$work/collapsed.h5" '
+assert result["how_often"][-1]["count"] == len(t) > np.sum(t < t[-1]) + 1, (result["how_often"], len(t))
+' hist "$work/collapsed.h5" --from 0
+}
+check "contacts at the end of a run are counted" last
+
 area() { # of √N bins, N of the smallest class or else enough, up to the highest value
   agrees "$one" '
 w = (t >= result["from"]) & (t < result["to"])
