@@ -63,40 +63,52 @@ static bool add_pair(struct pairs *pairs, double v, double e) {
   return true;
 }
 
-/* Two numbers, then only blanks: 2; an empty line: 0; anything else: 1. */
-static int parse(char *line, double *v, double *e) {
+/* What a line of the table is: a line of WORDS does not begin with a number. */
+enum line { EMPTY, PAIR, WORDS, WRONG };
+
+static const char BLANKS[] = " \t\r\n";
+
+static enum line parse(char *line, double *v, double *e) {
   char *hash = strchr(line, '#'), *end;
   if (hash) *hash = '\0';
   for (char *c = line; *c; c++)
     if (*c == ',' || *c == ';') *c = ' ';
-  line += strspn(line, " \t\r\n");
-  if (!*line) return 0;
+  line += strspn(line, BLANKS);
+  if (!*line) return EMPTY;
   *v = strtod(line, &end);
-  if (end == line) return 1;
+  if (end == line || strcspn(end, BLANKS) > 0) return WORDS;
   char *rest = end;
   *e = strtod(rest, &end);
-  if (end == rest || end[strspn(end, " \t\r\n")]) return 1;
-  return 2;
+  return end == rest || end[strspn(end, BLANKS)] ? WRONG : PAIR;
+}
+
+static enum em_status add_line(struct pairs *pairs, char *line, const char *path, int number,
+                               struct em_error *err) {
+  static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8, as some editors put it */
+  double v, e;
+  if (number == 1 && strncmp(line, mark, strlen(mark)) == 0) line += strlen(mark);
+  const enum line kind = parse(line, &v, &e);
+  if (kind == EMPTY || (kind == WORDS && number == 1)) return EM_OK;
+  if (kind != PAIR)
+    return em_error_set(err, EM_INPUT, path, number, "expected two numbers, speed and restitution");
+  if (!(v >= 0.0) || !isfinite(v))
+    return em_error_set(err, EM_INPUT, path, number, "the speed %g is not ≥ 0 m/s", v);
+  if (!(e >= 0.0 && e <= 1.5))
+    return em_error_set(err, EM_INPUT, path, number, "the restitution %g is not in 0 … 1.5", e);
+  if (pairs->n == MOST_POINTS)
+    return em_error_set(err, EM_INPUT, path, number, "more than %d pairs", MOST_POINTS);
+  return add_pair(pairs, v, e) ? EM_OK : em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
 }
 
 static enum em_status read_lines(struct pairs *pairs, FILE *in, const char *path,
                                  struct em_error *err) {
-  char line[1024];
-  for (int number = 1; fgets(line, sizeof line, in); number++) {
-    double v, e;
-    const int kind = parse(line, &v, &e);
-    if (kind == 0 || (kind == 1 && pairs->n == 0 && number == 1)) continue;
-    if (kind == 1)
-      return em_error_set(err, EM_INPUT, path, number,
-                          "expected two numbers, speed and restitution");
-    if (!(v >= 0.0) || !isfinite(v))
-      return em_error_set(err, EM_INPUT, path, number, "the speed %g is not ≥ 0 m/s", v);
-    if (!(e >= 0.0 && e <= 1.5))
-      return em_error_set(err, EM_INPUT, path, number, "the restitution %g is not in 0 … 1.5", e);
-    if (pairs->n == MOST_POINTS)
-      return em_error_set(err, EM_INPUT, path, number, "more than %d pairs", MOST_POINTS);
-    if (!add_pair(pairs, v, e)) return em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
-  }
+  char *line = NULL;
+  size_t size = 0;
+  enum em_status status = EM_OK;
+  for (int number = 1; status == EM_OK && getline(&line, &size, in) >= 0; number++)
+    status = add_line(pairs, line, path, number, err);
+  free(line);
+  if (status != EM_OK) return status;
   if (ferror(in)) return em_error_set(err, EM_FILE, path, 0, "cannot be read");
   if (pairs->n >= 2 * EM_LAW_PARAMETERS) return EM_OK;
   return em_error_set(err, EM_INPUT, path, 0, "only %zu pairs, at least %d are needed", pairs->n,

@@ -593,6 +593,10 @@ for name, truth in (("A", 1.0), ("B", 1.2), ("C", 0.6), ("D", 0.35)):
     assert abs(p[name] - truth) < 1e-6, p
 ' fit "$work/exact.txt"; }
 check "fit finds all four parameters of power4" power4
+{ printf '\357\273\277' && sed "1s/\$/ # $(printf '%1100s' '1.5 1.4')/" "$work/exact.txt"; } >"$work/marked.txt"
+marked() { agrees "$one" 'assert result["pairs"] == 60 and result["ranking"][0]["sigma"] < 1e-9, result' \
+  fit "$work/marked.txt"; }
+check "a mark of UTF-8 hides no pair, and a long comment adds none" marked
 for k in 1 2 3 4 5 6 7 8; do echo "2.0, 0.7$k"; done >"$work/same.csv"
 same() { agrees "$one" '
 e = {(x["law"], x["name"]): x["error"] for x in result["parameters"]}
@@ -733,5 +737,7 @@ printf '1 0.9\n2 zero\n' >"$work/bad.txt"
 expect 2 "" "a table with a bad line" post fit "$work/bad.txt"
 grep -q "bad.txt:2: error" "$work/err"
 is "which names the line" 0 $?
+printf '1 0.9x\n%s' "$(cat "$work/exact.txt")" >"$work/bad.txt"
+expect 2 "bad.txt:1: error" "a first line that is no heading" post fit "$work/bad.txt"
 
 finish
