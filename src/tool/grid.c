@@ -90,8 +90,8 @@ static enum em_status read_row(struct em_grid *grid, size_t row, char *line, con
 
 static bool is_number(const char *word) {
   char *end;
-  strtod(word, &end);
-  return end != word && *end == '\0';
+  const double x = strtod(word, &end);
+  return end != word && *end == '\0' && isfinite(x);
 }
 
 /* Words that all are numbers become numbers. */
@@ -109,13 +109,21 @@ static enum em_status settle(struct em_grid_column *column, size_t rows, struct 
   return EM_OK;
 }
 
+/* To the begin, behind UTF-8's mark, as some editors put it. */
+static void to_begin(FILE *in) {
+  char mark[3];
+  rewind(in);
+  if (fread(mark, 1, 3, in) != 3 || memcmp(mark, "\xEF\xBB\xBF", 3) != 0) rewind(in);
+}
+
 static size_t count_rows(FILE *in) {
   char *line = NULL;
   size_t size = 0, rows = 0;
+  to_begin(in);
   while (getline(&line, &size, in) >= 0)
     rows += is_row(line);
   free(line);
-  rewind(in);
+  to_begin(in);
   return rows > 0 ? rows - 1 : 0;
 }
 

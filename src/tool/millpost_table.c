@@ -175,6 +175,21 @@ static void keep_rows(struct em_grid *grid, const bool *keep) {
   grid->rows = kept;
 }
 
+/* Does each column have a name of its own, under which HDF5 can keep it? */
+static enum em_status check_keys(const struct em_grid *runs, const struct em_millpost_options *o,
+                                 struct em_error *err) {
+  for (size_t c = 0; c < runs->columns; c++) {
+    const char *key = runs->column[c].key;
+    if (em_grid_find(runs, key) != (int)c)
+      return em_error_set(err, EM_INPUT, o->run[0], 0,
+                          "a column '%s', expected a key that no other column nor figure has", key);
+    if (o->out && (strchr(key, '/') || !*key))
+      return em_error_set(err, EM_INPUT, o->run[0], 0,
+                          "a column '%s', expected keys without / for -o", key);
+  }
+  return EM_OK;
+}
+
 static enum em_status read_runs(struct tables *t, const struct em_millpost_options *o,
                                 struct em_error *err) {
   enum em_status status = em_grid_read(&t->runs, o->run[0], err);
@@ -186,6 +201,7 @@ static enum em_status read_runs(struct tables *t, const struct em_millpost_optio
   bool *keep = calloc(t->runs.rows + 1, sizeof *keep);
   if (!keep || !add_columns(&t->runs, o->level) || !add_provenance(&t->provenance, t->runs.rows))
     status = no_memory(err);
+  if (status == EM_OK) status = check_keys(&t->runs, o, err);
   for (size_t r = 0; r < t->runs.rows && status == EM_OK; r++)
     status = read_run(t, r, first, t->runs.column[name].word[r], o, &keep[r], err);
   if (status == EM_OK) {
@@ -256,9 +272,13 @@ static size_t sort_members(const double *point, size_t rows, size_t *start, size
   return points;
 }
 
-static enum em_status pool_runs(struct tables *t, size_t axes, struct em_error *err) {
+static enum em_status pool_runs(struct tables *t, size_t axes, const struct em_millpost_options *o,
+                                struct em_error *err) {
   const int at = em_grid_find(&t->runs, "point");
-  if (at < 0 || !t->runs.column[at].number) return EM_OK;
+  if (at < 0 || !t->runs.column[at].number) {
+    if (!o->of || strcmp(o->of, "points") != 0) return EM_OK;
+    return em_error_set(err, EM_INPUT, o->run[0], 0, "no column 'point' of numbers");
+  }
   size_t *start = calloc(t->runs.rows + 2, sizeof *start);
   size_t *member = calloc(t->runs.rows + 1, sizeof *member);
   bool good = start && member;
@@ -333,7 +353,7 @@ int em_millpost_table(int argc, char **argv) {
   struct em_error err = {.code = EM_OK};
   enum em_status status = read_runs(&t, &o, &err);
   if (status == EM_OK)
-    status = pool_runs(&t, t.runs.columns - (FACTS + 2 * EM_FIGURES_COUNT), &err);
+    status = pool_runs(&t, t.runs.columns - (FACTS + 2 * EM_FIGURES_COUNT), &o, &err);
   if (status == EM_OK && o.out) status = write_file(&t, &o, &err);
   const int result =
       status == EM_OK ? print(&t, grids[which], names[which], &o) : em_millpost_fail(&err);

@@ -229,6 +229,15 @@ assert [n.split()[0] for n in result["notes"]] == ["1", "1"] and "over before 0.
 check "table leaves out runs that are over before its window" brief_run
 expect 2 "ends in .h5" "table writes HDF5 alone" post table "$work/points.csv" -o "$work/points.png"
 check "and leaves nothing else" test ! -e "$work/points.png"
+printf '\357\273\277point,run\n1,plain.h5\n1,plain.h5\n' >"$work/marked.csv"
+marked() { agrees "$plain" 'assert [p["runs"] for p in result["points"]] == [2], result' \
+  table "$work/marked.csv" --of points; }
+check "a mark of UTF-8 hides no column" marked
+for keys in rpm,run nan,run run,run power,run rpm/s,run; do
+  { [ $keys = nan,run ] && printf 'point,run\nnan,plain.h5\n' || printf '%s\n1,plain.h5\n' $keys; } >"$work/keys.csv"
+  expect 2 "keys.csv: error" "points of $keys" post table "$work/keys.csv" --of points -o "$work/keys.h5"
+  check "leave no file" test ! -e "$work/keys.h5"
+done
 check "all tables in one file" post table "$work/points.csv" -o "$work/points.h5"
 
 speed() { agrees "$one" '
