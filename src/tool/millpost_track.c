@@ -1,10 +1,9 @@
 /* millpost track: restitution from films of a ball that hits a plate. */
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "eventmill/track.h"
+#include "record/output.h"
 #include "tool/millpost.h"
 
 struct wish {
@@ -138,16 +137,15 @@ static void add_places(struct em_report *report, const char *folder, const struc
 
 static enum em_status write_pairs(const char *path, char *const *folder,
                                   struct em_track *const *track, int count, struct em_error *err) {
-  FILE *out = fopen(path, "w");
-  if (!out) return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
-  fprintf(out, "# speed (m/s), restitution; standard error of restitution, film\n");
+  struct em_output file;
+  const enum em_status status = em_output_begin(&file, path, EM_OUTPUT_STREAM, err);
+  if (status != EM_OK) return status;
+  fprintf(file.out, "# speed (m/s), restitution; standard error of restitution, film\n");
   for (int k = 0; k < count; k++)
     if (track[k])
-      fprintf(out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value, track[k]->restitution.value,
-              track[k]->restitution.error, folder[k]);
-  const bool failed = ferror(out) != 0;
-  if (fclose(out) == 0 && !failed) return EM_OK;
-  return em_error_set(err, EM_FILE, path, 0, "cannot be written: %s", strerror(errno));
+      fprintf(file.out, "%.8g %.8g # %.2g %s\n", track[k]->approach.value,
+              track[k]->restitution.value, track[k]->restitution.error, folder[k]);
+  return em_output_end(&file, EM_OK, err);
 }
 
 static struct em_report *report_of(const struct wish *wish, char *const *folder,

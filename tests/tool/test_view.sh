@@ -110,6 +110,11 @@ print("yes" if good and shot["plate"] == "right" else shot)
 PY
 )"
 is "a pair for fit" 1 "$(grep -c '^1[45][.][0-9]* 0[.][56][0-9]* ' "$work/pairs.txt")"
+cp "$work/pairs.txt" "$work/before.txt"
+limited() { (ulimit -f 0 && "$post" track "$film" --fps 5000 --diameter 0.005 -o "$work/pairs.txt") 2>&1 | cat >&2
+  return "${PIPESTATUS[0]}"; }
+expect 1 "pairs.txt: error: cannot be written" "track on a full disk" limited
+check "leaves the pairs of before" cmp -s "$work/before.txt" "$work/pairs.txt"
 # The picture without the ball stands for frames that lack it.
 mkdir "$work/gaps"
 cp "$film"/*.png "$work/gaps"
