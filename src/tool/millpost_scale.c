@@ -28,7 +28,8 @@ static const struct em_millpost_help help = {
         "of\n"
         "the first run, by interpolation between neighbours. Beside it stand the rules of thumb: "
         "speed\n"
-        "× √(mass of a ball, old/new) for another material, equal tip speed for another size, the\n"
+        "× √(mean mass of a ball, old/new) for another material, equal tip speed for another size, "
+        "the\n"
         "same speed for more balls. --match takes every key of 'compare --json', e.g. rate-above.",
     .examples = "  millpost scale 1000rpm-3000.h5 *rpm-5000.h5 -o scale.png\n"
                 "  millpost scale steel.h5 ceramic-*.h5 --match rate-above --above 2",
@@ -42,8 +43,8 @@ struct point {
   char label[96];
   char *kind; /* what runs of a group have in common, owned */
   double rpm;
-  size_t balls;
-  double diameter, density, mass; /* m, kg/m³, kg: of a ball */
+  char balls[192]; /* how many of which species */
+  double mass;     /* kg: of a ball, on average */
   struct em_chamber chamber;
   double reach; /* m */
   enum em_end end;
@@ -99,6 +100,25 @@ static enum em_status read_kind(char **kind, const struct em_run_file *run, stru
   return *kind ? EM_OK : em_error_set(err, EM_MEMORY, NULL, 0, "out of memory");
 }
 
+/* Of many species, how many there are. */
+static void describe_balls(struct point *point, const struct em_scene *scene) {
+  enum { TOLD = 3 };
+  const size_t balls = em_scene_ball_count(scene), kinds = scene->species_count;
+  size_t used = 0;
+  point->mass = 0.0;
+  for (size_t k = 0; k < kinds; k++) {
+    const struct em_species *s = &scene->species[k];
+    point->mass += (double)s->count / (double)balls * s->density * M_PI / 6.0 * s->diameter *
+                   s->diameter * s->diameter;
+    if (kinds <= TOLD)
+      used += (size_t)snprintf(point->balls + used, sizeof point->balls - used,
+                               "%s%zu balls of %g mm, %g kg/m³", k > 0 ? " and " : "",
+                               (size_t)s->count, 1e3 * s->diameter, s->density);
+  }
+  if (kinds > TOLD)
+    snprintf(point->balls, sizeof point->balls, "%zu balls of %zu species", balls, kinds);
+}
+
 static enum em_status describe(struct point *point, const struct em_run_file *run,
                                struct em_error *err) {
   const struct em_scene *scene = em_run_file_scene(run);
@@ -106,12 +126,8 @@ static enum em_status describe(struct point *point, const struct em_run_file *ru
       scene->species_count == 0)
     return em_error_set(err, EM_INPUT, em_run_file_path(run), 0,
                         "scaling needs a rotor that turns, and balls");
-  const struct em_species *s = &scene->species[0];
   point->rpm = fabs(scene->rotor[0].rpm);
-  point->balls = em_scene_ball_count(scene);
-  point->diameter = s->diameter;
-  point->density = s->density;
-  point->mass = s->density * M_PI / 6.0 * s->diameter * s->diameter * s->diameter;
+  describe_balls(point, scene);
   point->chamber = scene->chamber;
   point->reach = scene->rotor[0].blade[0].reach;
   point->time = em_run_file_state(run)->time;
@@ -240,8 +256,7 @@ static const struct point *first_of(const struct point *point, int count, int gr
 
 static void describe_group(char *text, size_t size, const struct point *p) {
   const struct em_chamber *c = &p->chamber;
-  const int used = snprintf(text, size, "%zu balls of %g mm, %g kg/m³, ", p->balls,
-                            1e3 * p->diameter, p->density);
+  const int used = snprintf(text, size, "%s, ", p->balls);
   if (c->shape == EM_SHAPE_DRUM)
     snprintf(text + used, size - (size_t)used, "drum %g mm", 1e3 * c->diameter);
   else

@@ -447,6 +447,16 @@ assert 1000 < result["groups"][0]["speed"] < 1400, result["groups"]
 assert any("more than one speed" in n for n in result["notes"]), result["notes"]'
 }
 check "scale says when it is reached twice" twice
+sed '/^balls = {/,/^};/d' geometries/simoloyer-2l.cfg >"$work/kinds.cfg"
+kinds() { # of the second, a ball weighs on average (50 · 6³ · 3000 + 50 · 5³ · 7850) / (100 · 5³ · 7850)
+  echo 'balls = ({ count = 50; diameter = 0.006; density = 3000.0; }, { count = 50; diameter = 0.005; });' >>"$work/kinds.cfg" &&
+    run "$work/kinds.cfg" duration=0.06 -o "$work/kinds.h5" >"$work/out" &&
+    scale at-1000-1.h5 kinds.h5 >"$work/json" && is_true "$one" '
+name, rule = (result["groups"][1][key] for key in ("group", "rule"))
+assert name == "50 balls of 6 mm, 3000 kg/m³ and 50 balls of 5 mm, 7850 kg/m³, drum 146 mm", name
+assert abs(rule - 1000 * (0.5 * (1.2 ** 3 * 3000 / 7850 + 1)) ** -0.5) < 1e-6, rule'
+}
+check "scale tells all species of a group" kinds
 
 # ---------------------------------------------------------------- tables
 printf 'point,repeat,seed,run\n1,1,1979500123,at-1000-1.h5\n2,1,7,at-1400-1.h5\n' >"$work/points.csv"
