@@ -27,7 +27,8 @@ struct em_fit {
                                       these do not determine the parameter */
   double residual;                 /* Σ (y − f)² */
   double sigma;                    /* √(residual/(n − parameters)) */
-  double aic;                      /* n ln(residual/n) + 2 (parameters + 1), Akaike 1974 */
+  double aic; /* n ln(residual/n) + 2 (parameters + 1), Akaike 1974; of y about 1: residual/n is
+                 not taken below the square of DBL_EPSILON */
   int iterations;
   bool converged;
 };

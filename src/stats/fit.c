@@ -1,6 +1,7 @@
 /* Nonlinear least squares with GSL's Levenberg–Marquardt. */
 #include "eventmill/fit.h"
 
+#include <float.h>
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_linalg.h>
@@ -42,10 +43,12 @@ static enum em_status check(const struct em_fit_model *model, size_t n, const do
   return EM_OK;
 }
 
+/* Below the rounding of a curve about 1, no residual tells better from worse. */
 static void score(struct em_fit *fit) {
+  static const double ROUNDING = DBL_EPSILON * DBL_EPSILON;
   const double n = (double)fit->n, k = fit->parameters;
   fit->sigma = sqrt(fit->residual / (n - k));
-  fit->aic = n * log(fit->residual / n) + 2.0 * (k + 1.0);
+  fit->aic = n * log(fmax(fit->residual / n, ROUNDING)) + 2.0 * (k + 1.0);
 }
 
 /* The columns of J, each of length 1; scale: their lengths, 1 for one that is 0. */

@@ -635,6 +635,11 @@ for e in 1.4 1.4 1.4 1.4 1.4 1.4 1.4 1.4; do echo "$((++k)), $e"; done >"$work/o
 check "nor of what gains energy alone" accepted constant "epsilon = 1.0"
 is "and no other law" 1 "$(/usr/bin/python3 -c 'import json, sys
 print(len(json.load(open(sys.argv[1]))["ranking"]))' "$work/json")"
+for e in 1 1 1 1 1 1 1 1; do echo "$((++k)), $e"; done >"$work/odd.csv"
+whole() { agrees "$one" '
+best = result["ranking"][0]
+assert best["law"] == "constant" and best["delta_aic"] == 0 and best["aic"] < -500, best' fit "$work/odd.csv"; }
+check "pairs without any scatter have a criterion" whole
 for e in .50 .52 .55 .60 .68 .74 .83 .90 .97 1; do echo "$((++k)), $e"; done >"$work/odd.csv"
 rising() { agrees "$one" '
 assert result["best"] == "constant", result
