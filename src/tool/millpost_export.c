@@ -73,18 +73,28 @@ static const struct format *find_format(const struct em_millpost_options *o) {
   return NULL;
 }
 
+static size_t nearest(const struct em_run_file *run, double time) {
+  const size_t k = em_run_file_frame_before(run, time), next = k + 1;
+  if (next == em_run_file_frame_count(run)) return k;
+  const double before = time - em_run_file_frame_time(run, k);
+  return em_run_file_frame_time(run, next) - time < before ? next : k;
+}
+
+/* Times that are given as printed, in nine digits, may lie beside those of their frames. */
+static const double PRINTED = 5e-9;
+
 /* Indices of the chosen frames; returns how many there are. */
 static size_t choose(size_t *chosen, const struct em_run_file *run,
                      const struct em_millpost_options *o) {
   const size_t frames = em_run_file_frame_count(run), every = o->every ? (size_t)o->every : 1;
   size_t seen = 0, count = 0;
   if (!isnan(o->at) && frames > 0) {
-    chosen[0] = em_run_file_frame_before(run, o->at);
+    chosen[0] = nearest(run, o->at);
     return 1;
   }
   for (size_t k = 0; k < frames; k++) {
-    const double t = em_run_file_frame_time(run, k);
-    if ((!isnan(o->from) && t < o->from) || (!isnan(o->to) && t > o->to)) continue;
+    const double t = em_run_file_frame_time(run, k), slack = PRINTED * t;
+    if (t + slack < o->from || t - slack > o->to) continue; /* NAN: no bound */
     if (seen++ % every == 0) chosen[count++] = k;
   }
   return count;

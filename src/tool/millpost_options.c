@@ -55,7 +55,7 @@ static const struct em_millpost_option options[] = {
     {"first", "T", "begin at T seconds; default: the begin of the run", EM_MILLPOST_NUMBER,
      AT(from), "from", 0, NULL},
     OPTION("until", "T", "end at T seconds; default: the end of the run", NUMBER, to),
-    OPTION("at", "T", "only the frame at T seconds", NUMBER, at),
+    OPTION("at", "T", "only the frame nearest to T seconds", NUMBER, at),
     OPTION("every", "N", "every Nth frame only; default: 1", WHOLE, every),
     OPTION("anyway", NULL, "test laws also where the scene does not promise them", FLAG, anyway),
     OPTION("scene", NULL, "print the scene that the run was made from", FLAG, scene),

@@ -672,6 +672,16 @@ piped() { # a pipe is written to, and stays
 check "the same through a pipe" piped
 rows() { [ "$(wc -l <"$work/rows.csv")" -eq $(($(post info "$one" --csv | sed -n 's/^# rows = //p') + 1)) ]; }
 check "with a line for each" rows
+third=$work/third.h5
+run geometries/bouncing-ball.cfg duration=0.1 record.frames=30 -o "$third" >"$work/out"
+at() { # WANTED OPTION ...: times of the frames, as printed
+  post export "$third" --to csv "${@:2}" -o "$work/third.csv" >"$work/out" &&
+    [ "$(cut -d, -f1 "$work/third.csv" | sed 1d | uniq | xargs)" = "$1" ]
+}
+check "the frame nearest to a time" at 0.0333333333 --at 0.0333
+check "times as they are printed" at "0.0333333333 0.0666666667" --from 0.0333333333 --until 0.0666666667
+check "from a time that was rounded up" at "0.0666666667 0.1" --from 0.0666666667
+check "until one that was rounded down" at "0 0.0333333333" --until 0.0333333333
 expect 2 "frames from 0 to 0.25 s" "export beyond the end" post export "$one" --to csv --at 99 -o "$work/x.csv"
 expect 2 "frames from 0 to 0.25 s" "export before the begin" post export "$one" --to csv --at -99 -o "$work/x.csv"
 expect 2 "no frame is chosen" "export of no frame" post export "$one" --to stl --from 99 -o "$work/x.csv"
