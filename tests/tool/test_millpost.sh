@@ -220,6 +220,14 @@ assert (row["from"], row["to"]) == (0.202, 0.204), row
 assert (row["counted_from"], row["counted_to"]) == (0.2, 0.21), row
 ' table "$work/points.csv" --from 0.202 --to 0.204; }
 check "so does table" table
+names() { # one of Latin-1, one of characters that are cut at the 95th byte, one of four bytes each
+  local latin=$work/m$'\xfc'hle.h5 long name
+  long=$work/$(printf 'ä%.0s' {1..60}).h5 name=$work/𝄞.h5
+  ln -f "$plain" "$latin" && ln -f "$plain" "$long" && ln -f "$plain" "$name" &&
+    post compare "$plain" "$latin" "$long" "$name" --json >"$work/json" && is_true "$plain" '
+assert "m\ufffdhle" in result and "ä" * 47 + "\ufffd" in result and "𝄞" in result, result'
+}
+check "JSON is UTF-8, whatever files are called" names
 printf 'point,run\n1,plain.h5\n2,brief.h5\n3,none.h5\n' >"$work/mixed.csv"
 brief_run() { run geometries/simoloyer-2l.cfg balls.count=100 duration=0.01 -o "$work/brief.h5" >"$work/out" &&
   agrees "$plain" '
