@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "record/output.h"
 #include "tool/mill_cost.h"
 #include "tool/report.h"
 
@@ -222,11 +223,10 @@ static void facts(struct em_report *report, const struct em_cost *cost) {
 
 static enum em_status write_csv(const struct em_report *report, const char *path,
                                 struct em_error *err) {
-  FILE *out = fopen(path, "w");
-  if (!out) return em_error_set(err, EM_FILE, path, 0, "cannot be written");
-  enum em_status status = em_report_print(report, EM_REPORT_CSV, out, err);
-  if (fclose(out) && !status) status = em_error_set(err, EM_FILE, path, 0, "cannot be written");
-  return status;
+  struct em_output file;
+  const enum em_status status = em_output_begin(&file, path, EM_OUTPUT_STREAM, err);
+  if (status) return status;
+  return em_output_end(&file, em_report_print(report, EM_REPORT_CSV, file.out, err), err);
 }
 
 enum em_status em_mill_cost_report(const struct em_cost *cost, bool json, const char *csv,

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "draw/letters.h"
 #include "tool/report.h"
 #include "tool/report_parts.h"
 
@@ -225,23 +226,12 @@ static void print_csv(const struct em_report *report, FILE *out) {
 
 /* ---------------------------------------------------------------- JSON */
 
-/* Bytes of the UTF-8 character at the begin of a text; 0: there is none. (RFC 3629, 4) */
-static size_t character(const char *text) {
-  const unsigned char c = (unsigned char)text[0], next = c ? (unsigned char)text[1] : 0;
-  const size_t size = c < 0x80 ? 1 : c < 0xc2 ? 0 : c < 0xe0 ? 2 : c < 0xf0 ? 3 : c < 0xf5 ? 4 : 0;
-  if ((c == 0xe0 && next < 0xa0) || (c == 0xed && next > 0x9f)) return 0;
-  if ((c == 0xf0 && next < 0x90) || (c == 0xf4 && next > 0x8f)) return 0;
-  for (size_t k = 1; k < size; k++)
-    if (((unsigned char)text[k] & 0xc0) != 0x80) return 0;
-  return size;
-}
-
 /* Names of files need not be UTF-8; JSON has to be. */
 static void json_text(const char *text, FILE *out) {
   fputc('"', out);
   for (size_t size; *text; text += size > 0 ? size : 1) {
     const unsigned char c = (unsigned char)*text;
-    size = character(text);
+    size = em_letters_length(text);
     if (size == 0)
       fputs("\\ufffd", out);
     else if (c == '"' || c == '\\')

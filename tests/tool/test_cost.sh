@@ -102,6 +102,11 @@ expect 0 "" "a scene in full" "$mill" cost "$work/full.cfg" --steady 0.01 --time
 check "its levels differ" above "$(cell 'level reference' time)" 2
 check "in their errors, too" equal "$(cell 'level reference' error_most)" 0
 
+cp "$work/cost.csv" "$work/before.csv"
+(ulimit -f 0; "$mill" cost "$work/full.cfg" --steady 0.01 --time 0.01 --rounds 1 --flights 0 \
+  --only "level fast" --csv "$work/cost.csv" -q >/dev/null 2>&1)
+check "a full disk leaves the table of before" cmp -s "$work/cost.csv" "$work/before.csv"
+
 # ---------------------------------------------------------------- scenes with little to measure
 cat >"$work/rest.cfg" <<'END'
 duration = 1.0; gravity = "none";
