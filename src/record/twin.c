@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +27,8 @@ struct em_twin {
   size_t dirty_words;
   uint64_t written; /* bytes: the hidden copy's length as HDF5 sees it */
   bool published;
-  _Atomic int error; /* errno of the first failed write, by whatever thread */
+  struct stat visible; /* the visible copy as it was when the copies were equal */
+  _Atomic int error;   /* errno of the first failed write, by whatever thread */
   hid_t driver;
 };
 
@@ -320,7 +322,7 @@ static enum em_status copy_visible(struct em_twin *twin, struct em_error *err) {
   const int fd = open(twin->path, O_RDONLY | O_CLOEXEC);
   if (fd < 0)
     return em_error_set(err, EM_FILE, twin->asked, 0, "cannot be read: %s", strerror(errno));
-  const int error = copy_whole(fd, twin->fd);
+  const int error = fstat(fd, &twin->visible) != 0 ? errno : copy_whole(fd, twin->fd);
   close(fd);
   twin->published = true;
   return error ? cannot(twin, error, err) : EM_OK;
@@ -406,20 +408,39 @@ const char *em_twin_name(const struct em_twin *twin) {
   return twin->next;
 }
 
+/* Is it the file that was published, and has nobody replaced or changed it since? */
+static bool is_unchanged(const struct em_twin *twin, const struct stat *info) {
+  const struct stat *was = &twin->visible;
+  return info->st_dev == was->st_dev && info->st_ino == was->st_ino &&
+         info->st_size == was->st_size && info->st_mtim.tv_sec == was->st_mtim.tv_sec &&
+         info->st_mtim.tv_nsec == was->st_mtim.tv_nsec;
+}
+
 /* The old visible file under its spare name, so that it outlives the rename; -1: there is none, or
- * the file system has no hard links, or somebody is reading it or has given it a third name. */
+ * the file system has no hard links, or somebody has changed it or given it a third name. */
 static int keep_old(const struct em_twin *twin) {
   struct stat info;
   (void)unlink(twin->spare);
   if (!twin->published || link(twin->path, twin->spare) != 0) return -1;
   const int fd = open(twin->spare, O_RDWR | O_CLOEXEC);
-  if (fd >= 0 && fstat(fd, &info) == 0 && info.st_nlink == 2 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
-    (void)flock(fd, LOCK_UN);
+  if (fd >= 0 && fstat(fd, &info) == 0 && info.st_nlink == 2 && is_unchanged(twin, &info))
     return fd;
-  }
   if (fd >= 0) close(fd);
   (void)unlink(twin->spare);
   return -1;
+}
+
+/* Has somebody else the file open? A lease is given for a file that is open once; where there are
+ * no leases, readers are those that lock it, as HDF5 does. The signal of a lease that is broken
+ * would be SIGIO, which ends the program; SIGURG does nothing. */
+static bool is_read(int fd) {
+  if (fcntl(fd, F_SETSIG, SIGURG) == 0 && fcntl(fd, F_SETLEASE, F_WRLCK) == 0) {
+    (void)fcntl(fd, F_SETLEASE, F_UNLCK);
+    return false;
+  }
+  if (errno == EAGAIN || flock(fd, LOCK_EX | LOCK_NB) != 0) return true;
+  (void)flock(fd, LOCK_UN);
+  return false;
 }
 
 /* Forces the names in the file's folder to the disk; false: that cannot be done here. Until then
@@ -456,6 +477,8 @@ enum em_status em_twin_publish(struct em_twin *twin, bool last, struct em_error 
     twin->error = errno;
   if (twin->error) return cannot(twin, twin->error, err);
   int old = last ? -1 : keep_old(twin);
+  struct stat info;
+  if (fstat(twin->fd, &info) == 0) twin->visible = info;
   if (rename(twin->next, twin->path) != 0) {
     twin->error = errno;
     if (old >= 0) close(old);
@@ -463,7 +486,8 @@ enum em_status em_twin_publish(struct em_twin *twin, bool last, struct em_error 
     return cannot(twin, twin->error, err);
   }
   twin->published = true;
-  if (!settle_names(twin) && old >= 0) {
+  const bool settled = settle_names(twin);
+  if (old >= 0 && (!settled || is_read(old))) {
     close(old);
     (void)unlink(twin->spare);
     old = -1;

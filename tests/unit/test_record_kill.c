@@ -2,6 +2,7 @@
  * The test takes the place of the system's pwrite, rename, link, unlink and ftruncate; at the n-th
  * call it kills the process in the midst of it, or reports a full disk. */
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -242,6 +243,86 @@ static void a_crash_of_the_machine_finds_a_whole_file(void **state) {
   assert_true(whole[0] == whole[1]);
 }
 
+/* ---------------------------------------------------------------- others at the file */
+
+struct visit {
+  const char *path, *other;
+  int looks, fd; /* of a reader that holds no lock; -1: none yet */
+  uint64_t bytes;
+};
+
+static uint64_t digest_bytes(int fd) {
+  char room[4096];
+  uint64_t digest = 0;
+  ssize_t n;
+  for (off_t at = 0; (n = pread(fd, room, sizeof room, at)) > 0; at += n)
+    digest = digest_add(digest, room, (size_t)n);
+  return digest;
+}
+
+static void put_other_in_place(void *self, const struct em_recorder_progress *progress) {
+  struct visit *visit = self;
+  (void)progress;
+  if (++visit->looks == 4) assert_int_equal(syscall(SYS_rename, visit->other, visit->path), 0);
+}
+
+static void overwrite(void *self, const struct em_recorder_progress *progress) {
+  struct visit *visit = self;
+  (void)progress;
+  if (++visit->looks == 4) {
+    FILE *out = fopen(visit->path, "wb");
+    assert_non_null(out);
+    fclose(out);
+  }
+}
+
+static void begin_reading(void *self, const struct em_recorder_progress *progress) {
+  struct visit *visit = self;
+  (void)progress;
+  if (++visit->looks != 4) return;
+  visit->fd = open(visit->path, O_RDONLY);
+  assert_true(visit->fd >= 0);
+  visit->bytes = digest_bytes(visit->fd);
+}
+
+static uint64_t record_visited(struct visit *visit,
+                               void (*progress)(void *, const struct em_recorder_progress *)) {
+  static const char *const overrides[] = {"duration=0.05", "balls.count=40"};
+  struct em_scene *scene = digest_scene(SMALL_MILL, 2, overrides);
+  const struct em_recorder_options options = {
+      .path = visit->path, .force = true, .progress = progress, .self = visit};
+  struct em_error err = {0};
+  uint64_t digest = 0;
+  if (em_recorder_run(scene, &options, NULL, NULL, &err)) fail_msg("%s", err.text);
+  assert_int_equal(digest_run(visit->path, &digest, &err), EM_OK);
+  em_scene_free(scene);
+  return digest;
+}
+
+static void a_file_replaced_by_others_does_not_harm_the_run(void **state) {
+  (void)state;
+  long count;
+  record_whole(path_of("other.h5"), &count);
+  char path[256], other[256];
+  snprintf(other, sizeof other, "%s", path_of("other.h5"));
+  snprintf(path, sizeof path, "%s", path_of("visited.h5"));
+  struct visit visit = {.path = path, .other = other, .fd = -1};
+  const uint64_t whole = record_visited(&visit, NULL);
+  assert_true(record_visited(&visit, put_other_in_place) == whole);
+  visit.looks = 0;
+  assert_true(record_visited(&visit, overwrite) == whole);
+}
+
+static void what_somebody_reads_stays_as_it_was(void **state) {
+  (void)state;
+  struct visit visit = {.path = path_of("read.h5"), .fd = -1};
+  record_visited(&visit, begin_reading);
+  assert_true(visit.looks > 6);
+  if (fcntl(visit.fd, F_SETLEASE, F_RDLCK) != 0) skip(); /* none on this file system */
+  assert_true(digest_bytes(visit.fd) == visit.bytes);
+  close(visit.fd);
+}
+
 static int remove_folder(void **state) {
   (void)state;
   digest_folder_remove();
@@ -254,6 +335,8 @@ int main(void) {
       cmocka_unit_test(killed_when_resuming_it_goes_on),
       cmocka_unit_test(a_full_disk_is_an_error_and_the_file_stays_valid),
       cmocka_unit_test(a_crash_of_the_machine_finds_a_whole_file),
+      cmocka_unit_test(a_file_replaced_by_others_does_not_harm_the_run),
+      cmocka_unit_test(what_somebody_reads_stays_as_it_was),
   };
   return cmocka_run_group_tests(tests, NULL, remove_folder);
 }
