@@ -218,11 +218,12 @@ bool em_writer_has_failed(struct em_writer *writer) {
 
 /* ---------------------------------------------------------------- flushing */
 
+/* The table first: after that its thread does not use HDF5, whatever fails. */
 static bool write_held(struct em_writer *writer) {
   struct em_log *logs[EM_WRITER_SAMPLE_LOGS];
-  return write_logs(writer, logs, frame_logs(writer, logs)) &&
-         write_logs(writer, logs, sample_logs(writer, logs)) &&
-         (!writer->table || em_table_flush(writer->table));
+  return (!writer->table || em_table_flush(writer->table)) &&
+         write_logs(writer, logs, frame_logs(writer, logs)) &&
+         write_logs(writer, logs, sample_logs(writer, logs));
 }
 
 static bool reopen(struct em_writer *writer) {
