@@ -1,10 +1,12 @@
 /* A program of several commands. */
 #include "tool/command.h"
 
+#include <fcntl.h>
 #include <gsl/gsl_errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "eventmill/provenance.h"
 
@@ -41,7 +43,18 @@ static int finish(const struct em_command_program *program, int code) {
   return FAILED;
 }
 
+/* A standard stream that the parent closed: its number must not go to a file, which would then take
+ * what is printed. Writing to it stays an error. */
+static void hold_streams(void) {
+  int number;
+  do
+    number = open("/dev/null", O_RDONLY);
+  while (number >= 0 && number <= STDERR_FILENO);
+  if (number > STDERR_FILENO) close(number);
+}
+
 int em_command_main(const struct em_command_program *program, int argc, char **argv) {
+  hold_streams();
   gsl_set_error_handler_off(); /* statuses are checked where they are returned */
   signal(SIGXFSZ, SIG_IGN);    /* so that a limit is an error of writing, and tidied up after */
   signal(SIGCHLD, SIG_DFL);    /* ignored, as some parents leave it, it hides how programs end */

@@ -230,6 +230,17 @@ check "nothing is left over" test -z "$(find "$work" -name '*.h5.*')"
 # ---------------------------------------------------------------- disks
 expect 1 "standard output cannot be written" "a summary that nobody gets" \
   bash -c "'$mill' run ${small[*]} -o none --json -q >/dev/full"
+if [ -d /proc/self/fd ]; then
+  "$mill" run "${long[@]}" duration=50.0 -o "$work/mute.h5" <&- >&- 2>&- &
+  pid=$!
+  until [ -e "$work/mute.h5" ] || ! kill -0 $pid; do sleep 0.05; done
+  taken=$(readlink /proc/$pid/fd/0 /proc/$pid/fd/1 /proc/$pid/fd/2 | sort -u)
+  kill -INT $pid
+  wait $pid
+  is "no file takes the place of a closed stream, and its words" /dev/null "$taken"
+else
+  skip "no file takes the place of a closed stream" "no /proc"
+fi
 long_name=$(printf 'a%.0s' $(seq 200))
 deep=$work/$long_name/$long_name/$long_name/$long_name/$long_name
 mkdir -p "$deep"
