@@ -199,9 +199,11 @@ static enum em_status take_turns(struct pair *p, struct em_cost_result *result,
   int turns = 0, bad = RUNS;
   while (turns < p->cost->rounds && bad == RUNS) {
     bad = turn(p, turns, &ratio[turns]);
-    if (bad == RUNS && turns == 0)
-      result->collisions = (double)em_world_collisions(p->walk[VARIANT_RUN].world) /
-                           (double)em_world_collisions(p->walk[PLAIN_RUN].world);
+    if (bad == RUNS && turns == 0) {
+      const uint64_t plain = em_world_collisions(p->walk[PLAIN_RUN].world);
+      result->collisions =
+          plain > 0 ? (double)em_world_collisions(p->walk[VARIANT_RUN].world) / (double)plain : NAN;
+    }
     end_turn(p);
     if (bad == RUNS && ratio[turns++] > PLAIN && turns >= FEW_TURNS) break;
   }

@@ -118,6 +118,10 @@ for count in 0 3; do
     --only "level fast" --time 0.05 --rounds 1 -q
   check "are told to have no contacts" grep -q "none judged" "$work/out"
 done
+expect 0 "" "balls at rest begin to fall" "$mill" cost "$work/rest.cfg" --only "with gravity" \
+  --steady 0.3 --time 0.1 --rounds 1 --json -q
+check "their time per contact is to be compared with none" \
+  grep -q '"time_per_collision": null' "$work/out"
 expect 0 "" "a mill without its rotor" timeout 60 "$mill" cost "$mill_scene" balls.count=1000 --steady 1.5 \
   --time 0.02 --rounds 1 --flights 0 -q --only "without rotor"
 check "comes to rest" grep -q "^without rotor: .*comes to rest" "$work/out"
