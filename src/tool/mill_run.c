@@ -132,6 +132,8 @@ static void tell_figure(const struct em_precision_target *target,
   fprintf(stderr, "  %-16s ", name);
   if (got->value == 0.0)
     fprintf(stderr, "none seen");
+  else if (isnan(got->value))
+    fprintf(stderr, "nothing seen to tell it from");
   else if (!isfinite(width))
     fprintf(stderr, "not known from so few blocks of record.histograms");
   else

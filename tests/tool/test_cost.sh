@@ -224,6 +224,8 @@ check "long before the duration is over" \
 expect 0 "precision not reached by 1 s" "the duration is the upper bound" \
   "$mill" run "${small[@]}" duration=1 --until-precision 'rate(vn>1)=0.01%'
 expect 2 "expected median(speed)" "unknown figure" "$mill" run "${small[@]}" --until-precision 'mean=1%'
+expect 0 "median(vn)  *nothing seen" "a median without contacts, over enough blocks" "$mill" run \
+  "${small[@]}" balls.count=0 duration=2 --until-precision 'median(vn)=1%'
 expect 0 "rate(vn>50)  *none seen" "what was never seen is not known" \
   "$mill" run "${small[@]}" duration=2 --until-precision 'rate(vn>50)=1%,power=1%'
 cp "$work/err" "$work/said"
