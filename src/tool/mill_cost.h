@@ -22,6 +22,8 @@ enum { EM_COST_VARIANTS = 48, EM_COST_WORDS = 3, EM_COST_ROUNDS = 64 };
 /* Whole runs cannot be cut into stretches, each with its own least time: so many times the turns.
  */
 enum { EM_COST_WHOLE_RUNS = 3 };
+/* s of computing below which a whole run tells nothing: starting alone varies by some 10 ms. */
+#define EM_COST_LEAST_RUN 0.1
 
 struct em_cost_variant {
   enum em_cost_group group;
@@ -98,7 +100,8 @@ enum em_status em_mill_cost_scene(const struct em_cost *cost, const struct em_co
                                   struct em_scene **scene, size_t *hidden, struct em_error *err);
 void em_mill_cost_scene_free(struct em_scene *scene, size_t hidden);
 
-/* A variant that records, by whole runs. Errors: those of em_recorder_run. */
+/* A variant that records, by whole runs; times are NAN below EM_COST_LEAST_RUN. Errors: those of
+ * em_recorder_run. */
 enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_result *result,
                                    struct em_error *err);
 

@@ -8,9 +8,6 @@
 #include "eventmill/recorder.h"
 #include "tool/mill_cost.h"
 
-/* s of computing below which a run tells nothing: starting alone varies by some 10 ms. */
-static const double LEAST = 0.1;
-
 /* s of computing by this process: a file may have a thread of its own. */
 static double clock_now(void) {
   struct timespec t;
@@ -80,7 +77,7 @@ enum em_status em_mill_cost_record(const struct em_cost *cost, struct em_cost_re
   result->time = (least[FULL_RUN] - least[FULL_START]) / (least[BARE_RUN] - least[BARE_START]);
   result->time_low = fmin(low, result->time);
   result->time_high = fmax(high, result->time);
-  if (least[BARE_RUN] - least[BARE_START] < LEAST)
+  if (least[BARE_RUN] - least[BARE_START] < EM_COST_LEAST_RUN)
     result->time = result->time_low = result->time_high = NAN;
   return EM_OK;
 }

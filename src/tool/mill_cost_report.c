@@ -183,9 +183,22 @@ static void note_flights(struct em_report *report, const struct em_cost *cost) {
                    "comes to contact.");
 }
 
+static void note_recording(struct em_report *report, const struct em_cost *cost) {
+  for (size_t k = 0; k < cost->count; k++) {
+    const struct em_cost_result *r = &cost->result[k];
+    if (!belongs(r, EM_COST_RECORDING) || r->failed || isfinite(r->time)) continue;
+    em_report_note(report,
+                   "recording: - where a turn takes less than %g s of computing: too little to "
+                   "tell; run longer: --time above %.2g.",
+                   EM_COST_LEAST_RUN, cost->time);
+    return;
+  }
+}
+
 static void notes(struct em_report *report, const struct em_cost *cost) {
   size_t measured = 0;
   note_flights(report, cost);
+  note_recording(report, cost);
   em_report_note(
       report,
       "d: diameter of a ball. time: from the least times in %d turns (of runs that record: "

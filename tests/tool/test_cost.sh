@@ -78,6 +78,9 @@ check "no energy error where balls fall for ever" python3 -c 'import json, sys
 d = json.load(open(sys.argv[1]))
 assert d["energy"] is None and d["accuracy"][0]["energy"] is None, d' "$work/json"
 
+"$mill" cost "$gas" balls.count=10 --steady 0.01 --time 0.01 --only frames --rounds 1 --flights 0 -q \
+  >"$work/out" 2>"$work/err"
+check "runs too short to compare are said to be" grep -q "^recording: - where .* --time above 0.01" "$work/out"
 expect 0 "c-accuracy.png: not drawn" "a run that records" "$mill" cost "$gas" --steady 0.05 --time 1 \
   --only frames --rounds 1 --flights 0 -o "$work/c" -q
 check "its cost" grep -q "^frames, 50/s  *[0-9.]" "$work/out"
