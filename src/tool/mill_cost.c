@@ -135,8 +135,13 @@ static int read_options(struct options *o, int argc, char **argv) {
   return em_mill_words(&o->scene, &help, argc - optind, argv + optind);
 }
 
+/* Relative half widths below this are rounding: the figure does not vary. */
+static const double ROUNDING = 1e-12;
+
 double em_mill_cost_width(const struct em_interval *figure) {
-  return figure->value != 0.0 ? figure->half / fabs(figure->value) : NAN;
+  if (figure->value == 0.0) return NAN;
+  const double width = figure->half / fabs(figure->value);
+  return width <= ROUNDING ? 0.0 : width;
 }
 
 void em_mill_cost_tell(const struct em_cost *cost, const char *what) {

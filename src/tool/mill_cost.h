@@ -122,7 +122,8 @@ void em_mill_cost_draw_path(const char *prefix, unsigned picture, char path[EM_C
 enum em_status em_mill_cost_draw(const struct em_cost *cost, const char *prefix,
                                  struct em_error *err);
 
-/* Half width of an interval, relative to its value; NAN for a value of 0. */
+/* Half width of an interval, relative to its value; 0 where it is rounding, NAN for a
+ * value of 0. */
 double em_mill_cost_width(const struct em_interval *figure);
 
 static inline enum em_status em_mill_cost_no_memory(struct em_error *err) {

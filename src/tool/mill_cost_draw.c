@@ -180,7 +180,7 @@ static enum em_status draw_statistics(const struct em_cost *cost, const char *pr
     n++;
   }
   for (int j = 0; j < EM_PRECISION_COUNT; j++) {
-    if (!(cost->figure[j].half > 0.0) || cost->figure[j].value == 0.0) continue;
+    if (!(em_mill_cost_width(&cost->figure[j]) > 0.0)) continue;
     series[used++] = (struct em_plot_series){.name = em_precision_words((enum em_precision_kind)j),
                                              .style = EM_PLOT_LINE,
                                              .count = n,

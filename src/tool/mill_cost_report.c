@@ -109,15 +109,13 @@ static void recording_table(struct em_report *report, const struct em_cost *cost
 
 /* Fewer independent blocks than this tell no width: the rule of em_steady_find. */
 static const double LEAST_INDEPENDENT = 10.0;
-/* Relative half widths below this are rounding: the figure does not vary. */
-static const double ROUNDING = 1e-12;
 
 /* Simulated time (s) for a half width of 1 %: it falls with the root of time. 0: the figure does
  * not vary; NAN: this cannot be told. */
 static double time_for_percent(const struct em_cost *cost, int k) {
   const size_t blocks = em_precision_blocks(cost->precision);
   const double width = em_mill_cost_width(&cost->figure[k]), r = width / 0.01;
-  if (width <= ROUNDING) return 0.0;
+  if (width == 0.0) return 0.0;
   if (width > 1.0 || (double)blocks < LEAST_INDEPENDENT * cost->figure[k].inefficiency) return NAN;
   return em_precision_time(cost->precision, blocks) * r * r;
 }

@@ -142,6 +142,11 @@ balls = { count = 1; diameter = 0.02; speed = 1.0; };
 END
 expect 0 "" "one elastic ball" "$mill" cost "$work/one.cfg" --time 0.5 --rounds 1 -q --only level
 check "has an exact speed" grep -q "0 s where the figure is exact" "$work/out"
+expect 0 "" "elastic balls most of which have met none" "$mill" cost "$work/one.cfg" balls.count=60 \
+  balls.diameter=0.003 chamber.size=[0.05,0.05,0.05] --steady 0.02 --time 0.02 --flights 0 --rounds 1 -q \
+  --only "level standard" --csv "$work/cost.csv"
+check "their median speed does not vary by its rounding" \
+  equal "$(sed -n '/^# statistics/,/^$/p' "$work/cost.csv" | tail -n 2 | cut -d, -f3 | tr -d '\n')" 0
 expect 0 "" "a short run" "$mill" cost "$mill_scene" balls.count=100 --steady 0.02 --time 0.001 \
   --rounds 1 --flights 100 -q --only "level fast"
 check "cannot tell what one per cent takes" grep -q "run longer: --time above 0.001" "$work/out"
