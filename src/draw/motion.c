@@ -201,13 +201,9 @@ static bool add_mark(struct em_motion *m, const struct mark *mark) {
   return true;
 }
 
-static bool is_periodic(const struct em_chamber *c) {
-  return c->shape == EM_SHAPE_BOX && (c->periodic[0] || c->periodic[1] || c->periodic[2]);
-}
-
 static bool start_walkers(struct gather *g) {
   const struct em_motion *m = g->motion;
-  if (!is_periodic(&m->scene->chamber)) return true;
+  if (!(em_scene_effects(m->scene) & EM_EFFECT_PERIODIC)) return true;
   g->walker = calloc(m->balls->count, sizeof *g->walker);
   for (size_t k = 0; g->walker != NULL && k < m->balls->count; k++)
     g->walker[k] =

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "draw/letters.h"
+#include "draw/plot_ticks.h"
 #include "eventmill/plot.h"
 #include "num/locale.h"
 
@@ -136,15 +137,9 @@ static void shorten(const struct paper *p, double size, bool bold, double width,
   }
 }
 
-/* A step of 1, 2 or 5 times a power of ten, with about six of them in the range. */
-static double tick_step(double range) {
-  const double raw = range / 6.0, power = pow(10.0, floor(log10(raw))), lead = raw / power;
-  return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
-}
-
 static void draw_ticks(const struct paper *p, const struct bar *b, double low, double high) {
   enum { MOST = 16, DECIMALS = 5 };
-  const double step = tick_step(high - low), first = ceil(low / step - 1e-9);
+  const double step = em_plot_ticks_step(high - low, 6.0), first = ceil(low / step - 1e-9);
   const int decimals = step < 1.0 ? (int)ceil(-log10(step) - 1e-9) : 0;
   const double most = fmax(fabs(low), fabs(high));
   const bool plain = decimals <= DECIMALS && most < 1e7;

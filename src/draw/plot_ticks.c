@@ -1,19 +1,18 @@
-/* Numbers along logarithmic axes: gnuplot's own are powers of ten only. */
+/* Where numbers stand along an axis; gnuplot's own on logarithmic ones are powers of ten only. */
 #include "draw/plot_ticks.h"
 
 #include <math.h>
 
 static const double DECADES = 1000.0, NARROW = 4.0;
 
-/* A step of 1, 2 or 5 times a power of ten, with about five of them in the range. */
-static double even_step(double range) {
-  const double raw = range / 5.0, power = pow(10.0, floor(log10(raw))), lead = raw / power;
+double em_plot_ticks_step(double range, double steps) {
+  const double raw = range / steps, power = pow(10.0, floor(log10(raw))), lead = raw / power;
   return power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
 }
 
 static void write_even(FILE *out, double low, double high) {
   enum { MOST = 16 };
-  const double step = even_step(high - low), first = ceil(low / step - 1e-9);
+  const double step = em_plot_ticks_step(high - low, 5.0), first = ceil(low / step - 1e-9);
   const int digits = 1 + (int)ceil(log10(high / step));
   const char *between = "";
   for (int k = 0; k < MOST && (first + k) * step <= high + 1e-9 * step; k++) {

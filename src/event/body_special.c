@@ -35,12 +35,12 @@ struct em_vec em_body_facet_met(const struct em_world *w, struct em_vec x, struc
   return *met;
 }
 
-/* The first of the planes that touch the drum from outside. */
 double em_body_drum_gap(const struct em_world *w, struct em_vec x, double r) {
   const double from = w->facets ? -em_vec_dot(em_body_facet(w, x), x) : hypot(x.x, x.z);
   return w->rho - r - from;
 }
 
+/* The first of the planes that touch the drum from outside. */
 static double facets(const struct em_world *w, uint32_t i, bool touched, double horizon) {
   const struct em_body *b = &w->body[i];
   const struct em_vec r = {b->x, b->y, b->z}, v = {b->vx, b->vy, b->vz};

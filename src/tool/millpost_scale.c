@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "eventmill/plot.h"
+#include "eventmill/start.h"
 #include "tool/figures.h"
 #include "tool/millpost.h"
 
@@ -108,8 +109,7 @@ static void describe_balls(struct point *point, const struct em_scene *scene) {
   point->mass = 0.0;
   for (size_t k = 0; k < kinds; k++) {
     const struct em_species *s = &scene->species[k];
-    point->mass += (double)s->count / (double)balls * s->density * M_PI / 6.0 * s->diameter *
-                   s->diameter * s->diameter;
+    point->mass += (double)s->count / (double)balls * em_start_mass(s);
     if (kinds <= TOLD)
       used += (size_t)snprintf(point->balls + used, sizeof point->balls - used,
                                "%s%zu balls of %g mm, %g kg/m³", k > 0 ? " and " : "",
